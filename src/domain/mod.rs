@@ -1,0 +1,2 @@
+//! Domains.
+pub mod plc;

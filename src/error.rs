@@ -1,0 +1,91 @@
+//! The one error type of the core: every variant names the offending element, so that a
+//! caller can point its own user at it. An operation that returns an error has changed nothing.
+
+use std::fmt;
+
+use glam::DVec3;
+
+/// Why an operation was refused. Nothing has been changed when one of these is returned.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// A coordinate of point `index` is NaN or infinite.
+    NotFinite { index: usize, point: DVec3 },
+    /// A coordinate of point `index` is too large or too small for the exact predicates:
+    /// other than 0, magnitudes from 2⁻¹⁴² to 2²⁰¹ are accepted.
+    OutOfRange { index: usize, point: DVec3 },
+    /// More vertices or tetrahedra than 32-bit indices can name.
+    TooManyVertices { requested: usize, limit: usize },
+    /// There is no (longer a) vertex of this id.
+    NoSuchVertex { vertex: u32 },
+    /// The two vertices are not joined by an edge of the triangulation.
+    NoSuchEdge { edge: [u32; 2] },
+    /// An option has a value that it can't have.
+    InvalidOption { name: &'static str, value: f64, expected: &'static str },
+    /// The domain can't be used: what is wrong, and with which element.
+    InvalidDomain { element: DomainElement, problem: String },
+    /// The operation needs a domain and the mesh has none, or has one already.
+    Domain { problem: &'static str },
+    /// Memory for `what` could not be had.
+    OutOfMemory { what: &'static str },
+}
+
+/// An element of a piecewise linear complex, named by its position in the caller's lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DomainElement {
+    /// The domain as a whole.
+    Whole,
+    /// A point of the list of points.
+    Point(usize),
+    /// A segment of the list of segments.
+    Segment(usize),
+    /// A facet of the list of facets.
+    Facet(usize),
+    /// A hole seed.
+    Hole(usize),
+    /// A region seed.
+    Region(usize),
+}
+
+impl fmt::Display for DomainElement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            DomainElement::Whole => write!(f, "domain"),
+            DomainElement::Point(i) => write!(f, "point {i}"),
+            DomainElement::Segment(i) => write!(f, "segment {i}"),
+            DomainElement::Facet(i) => write!(f, "facet {i}"),
+            DomainElement::Hole(i) => write!(f, "hole {i}"),
+            DomainElement::Region(i) => write!(f, "region {i}"),
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::NotFinite { index, point } => {
+                write!(f, "point {index} ({}, {}, {}) is not finite", point.x, point.y, point.z)
+            }
+            Error::OutOfRange { index, point } => write!(
+                f,
+                "point {index} ({:e}, {:e}, {:e}) has a coordinate outside the range of the exact predicates \
+                 (0, or a magnitude from 2^-142 to 2^201)",
+                point.x, point.y, point.z
+            ),
+            Error::TooManyVertices { requested, limit } => {
+                write!(f, "{requested} vertices asked for, but 32-bit indices hold at most {limit}")
+            }
+            Error::NoSuchVertex { vertex } => write!(f, "there is no vertex {vertex}"),
+            Error::NoSuchEdge { edge: [p, q] } => write!(f, "vertices {p} and {q} are not joined by an edge"),
+            Error::InvalidOption { name, value, expected } => {
+                write!(f, "option {name} is {value}, expected {expected}")
+            }
+            Error::InvalidDomain { element, problem } => write!(f, "{element}: {problem}"),
+            Error::Domain { problem } => f.write_str(problem),
+            Error::OutOfMemory { what } => write!(f, "out of memory for {what}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,34 @@
+//! **wellspaced** turns points and piecewise linear domains into quality tetrahedral meshes with
+//! few elements. It implements R. Jampani and A. Üngör, "Construction of Sparse Well-spaced Point
+//! Sets for Quality Tetrahedralizations", 16th International Meshing Roundtable, 2007.
+//!
+//! The crate is a plain Rust library; [`capi`] is the thin C face over it, which
+//! `include/wellspaced.h` declares.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`geometry`] | exact predicates behind static filters, symbolic perturbation, circumspheres, quality |
+//! | [`triangulation`] | the incremental Delaunay triangulation |
+//! | [`sampler`] | bad short edges and Steiner batches, pure functions of an edge and its link |
+//! | [`domain`] | piecewise linear complexes and their boundary rules |
+//! | [`refine`] | the refinement loop |
+//! | [`mesh`] | a triangulation with its domain: what most callers hold |
+
+pub mod capi;
+mod control;
+pub mod domain;
+mod error;
+pub mod geometry;
+pub mod mesh;
+pub mod refine;
+pub mod sampler;
+pub mod triangulation;
+
+pub use control::{Control, Progress};
+pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
+pub use error::{DomainElement, Error};
+pub use glam::DVec3;
+pub use mesh::{Mesh, StepOptions};
+pub use refine::{RefineOptions, RefineReport, RefineStatus};
+pub use sampler::Rule;
+pub use triangulation::{Location, Triangulation};
