@@ -1,1 +1,15 @@
-//! Geometry.
+//! Geometry apart from topology: exact signs behind floating-point filters, symbolic perturbation,
+//! circumspheres and the quality of a tetrahedron. Nothing here knows of a triangulation.
+//!
+//! Orientation convention everywhere: a tetrahedron `abcd` is positive when `det[b−a, c−a, d−a] > 0`.
+
+pub mod circumsphere;
+pub mod encroachment;
+mod exact;
+pub mod perturbation;
+pub mod predicates;
+pub mod quality;
+mod range;
+
+pub use predicates::{Filter, Sign};
+pub use range::{check_points, check_range, flush_tiny};

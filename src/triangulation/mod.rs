@@ -1,49 +1,146 @@
-//! The incremental Delaunay triangulation.
+//! The incremental Delaunay triangulation of points in space.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`topology`] | tetrahedra, adjacency, ghosts; no coordinates |
+//! | [`cavity`] | what an insertion would remove and create, then doing it |
+//! | `locate` | the visibility walk |
+//! | `insert` | one point, or many in a spatial order |
+//! | `order` | that order: BRIO rounds along a Hilbert curve |
+//! | `lower` | points that span no volume yet |
+//! | `validate` | the invariants, checked |
+//!
+//! Cospherical points are decided by [symbolic perturbation](crate::geometry::perturbation), so the triangulation of a point set is
+//! unique: it depends on no order of insertion, and is the one that CGAL documents.
+
+pub mod cavity;
+mod insert;
+mod locate;
+mod lower;
+mod order;
+pub mod topology;
+mod validate;
 
 use glam::DVec3;
 
-/// Where a point lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Location {
-    /// At this vertex.
-    Vertex(u32),
-    /// Inside this edge.
-    Edge([u32; 2]),
-    /// Inside this face.
-    Face([u32; 3]),
-    /// Inside this tetrahedron.
-    Tetrahedron([u32; 4]),
-    /// Outside the convex hull (or in a triangulation without tetrahedra and not at a vertex).
-    Outside,
-}
+use crate::geometry::Filter;
+use cavity::Cavity;
+use lower::Lower;
+use topology::{Topology, GHOST, NONE};
+
+pub use insert::Inserted;
+pub use locate::Location;
+pub use validate::Defect;
 
 /// A Delaunay triangulation of points of any dimension.
+///
+/// Vertices are numbered in the order of the caller's points; a duplicate gets no number of its own. Below dimension 3 (no point, one
+/// point, points on a line or in a plane) there are vertices but no tetrahedra; the first point that spans a volume creates them all.
 #[derive(Clone, Debug, Default)]
-pub struct Triangulation {}
+pub struct Triangulation {
+    points: Vec<DVec3>,
+    pub(crate) topology: Topology,
+    pub(crate) filter: Filter,
+    lower: Lower,
+    /// Where the last insertion happened: the next walk starts there.
+    last: u32,
+    scratch: Cavity,
+}
 
 impl Triangulation {
-    /// −1 (no points) to 3.
+    /// A triangulation without points.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// −1 without points, then the dimension that they span: 0 to 3.
     pub fn dimension(&self) -> i32 {
-        unimplemented!()
+        self.lower.dimension()
     }
+
+    /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
-        unimplemented!()
+        self.points.len()
     }
+
+    /// Number of tetrahedra.
     pub fn tetrahedron_count(&self) -> usize {
-        unimplemented!()
+        self.topology.finite_count()
     }
+
+    /// The points, by vertex id.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// The point of a vertex.
     pub fn point(&self, vertex: u32) -> Option<DVec3> {
-        let _ = vertex;
-        unimplemented!()
+        self.points.get(vertex as usize).copied()
     }
-    /// `hint`: a vertex near the point, if one is known.
-    pub fn locate(&self, point: DVec3, hint: Option<u32>) -> Location {
-        let _ = (point, hint);
-        unimplemented!()
+
+    /// The point of a vertex that exists.
+    #[inline]
+    pub(crate) fn at(&self, vertex: u32) -> DVec3 {
+        self.points[vertex as usize]
     }
-    /// The vertices around an edge in order, and whether they form a ring (false: an open chain at the hull).
-    pub fn link(&self, edge: [u32; 2]) -> Option<(Vec<u32>, bool)> {
-        let _ = edge;
-        unimplemented!()
+
+    /// The corners of a tetrahedron without the ghost.
+    #[inline]
+    pub(crate) fn corners(&self, t: u32) -> [DVec3; 4] {
+        self.topology.tet(t).v.map(|v| self.points[v as usize])
+    }
+
+    /// The tetrahedra's vertices, positively oriented, in storage order.
+    pub fn tetrahedra(&self) -> impl Iterator<Item = [u32; 4]> + '_ {
+        self.topology.finite().map(|t| self.topology.tet(t).v)
+    }
+
+    /// The hull's facets, counterclockwise seen from outside.
+    pub fn hull(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.topology.live().filter(|&t| self.topology.tet(t).is_ghost()).map(|t| {
+            let [a, b, c, _] = self.topology.tet(t).v;
+            [a, b, c]
+        })
+    }
+
+    /// The corners of the box of all points; inverted when there is none.
+    pub fn bounding_box(&self) -> (DVec3, DVec3) {
+        self.filter.bounding_box()
+    }
+
+    /// The vertices around an edge in order, and whether they form a ring; at the hull they form an open chain from one hull
+    /// facet's third vertex to the other's. `None` when the two vertices are not joined.
+    pub fn link(&self, [p, q]: [u32; 2]) -> Option<(Vec<u32>, bool)> {
+        if p == q || (p as usize) >= self.points.len() || (q as usize) >= self.points.len() {
+            return None;
+        }
+        let (t, i, j) = self.topology.find_edge(p, q)?;
+        let mut link = Vec::new();
+        let closed = self.link_of(t, i, j, &mut link);
+        Some((link, closed))
+    }
+
+    /// [`link`](Self::link) of the edge in two slots of a tetrahedron, which may be a ghost. Returns whether it is a ring.
+    pub(crate) fn link_of(&self, t: u32, i: usize, j: usize, link: &mut Vec<u32>) -> bool {
+        link.clear();
+        for (t, k, _) in self.topology.around_edge(t, i, j) {
+            link.push(self.topology.tet(t).v[k]);
+        }
+        match link.iter().position(|&v| v == GHOST) {
+            None => true,
+            Some(ghost) => {
+                link.rotate_left(ghost);
+                link.remove(0);
+                false
+            }
+        }
+    }
+
+    /// A tetrahedron to start a walk from, near `hint` if that is a vertex.
+    fn start(&self, hint: Option<u32>) -> u32 {
+        match hint.and_then(|v| self.topology.vertex_tet.get(v as usize)) {
+            Some(&t) if t != NONE => t,
+            _ => self.last,
+        }
     }
 }

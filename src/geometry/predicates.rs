@@ -1,0 +1,312 @@
+//! Exact orientation and in-sphere signs in three stages: a static filter from the bounding box of all
+//! points, a semi-static one from the magnitudes of the call, and the adaptive exact predicates of
+//! J. R. Shewchuk ("Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates", DCG 18, 1997) as the `robust` crate has them.
+//!
+//! Before the last stage stands a test that makes grids cheap: when all coordinates are multiples of
+//! one power of two and the differences at hand are small multiples of it, the floating-point
+//! determinant is exact as it stands, zero included.
+//!
+//! The error constants are Shewchuk's for the same evaluation order, with the permanent replaced by its upper bound.
+
+use glam::DVec3;
+use robust::Coord3D;
+
+/// The sign of an exactly evaluated determinant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(i8)]
+pub enum Sign {
+    Negative = -1,
+    Zero = 0,
+    Positive = 1,
+}
+
+impl Sign {
+    /// The sign of a number that is not NaN.
+    #[inline]
+    pub fn of(value: f64) -> Sign {
+        if value > 0.0 {
+            Sign::Positive
+        } else if value < 0.0 {
+            Sign::Negative
+        } else {
+            Sign::Zero
+        }
+    }
+}
+
+impl std::ops::Neg for Sign {
+    type Output = Sign;
+    #[inline]
+    fn neg(self) -> Sign {
+        match self {
+            Sign::Negative => Sign::Positive,
+            Sign::Zero => Sign::Zero,
+            Sign::Positive => Sign::Negative,
+        }
+    }
+}
+
+const U: f64 = f64::EPSILON / 2.0;
+/// (7 + 56u)u times the 6 terms of the permanent, rounded up.
+const ORIENT_ERROR: f64 = 43.0 * U;
+/// (16 + 224u)u times the 24 terms of the permanent, rounded up.
+const INSPHERE_ERROR: f64 = 388.0 * U;
+/// Differences of at most this many grid units make the floating-point determinants exact: 6·b³ and 72·b⁵ stay
+/// below 2⁵³.
+const ORIENT_EXACT_UNITS: f64 = 65_536.0;
+const INSPHERE_EXACT_UNITS: f64 = 512.0;
+
+/// What the filters know of all points together: the box they lie in and the power of two that divides their
+/// coordinates. It only ever grows coarser in the box and finer in the unit, so one that was made for more points
+/// stays valid for fewer.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    low: DVec3,
+    high: DVec3,
+    orient_bound: f64,
+    insphere_bound: f64,
+    /// The largest power of two that divides every coordinate.
+    unit: f64,
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Filter {
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            orient_bound: 0.0,
+            insphere_bound: 0.0,
+            unit: MAX_UNIT,
+        }
+    }
+}
+
+const MAX_UNIT: f64 = super::range::MAX_MAGNITUDE;
+
+/// The largest power of two that divides `x`.
+#[inline]
+fn divisor(x: f64) -> f64 {
+    if x == 0.0 {
+        return MAX_UNIT;
+    }
+    let bits = x.to_bits();
+    // Coordinates are normal numbers: the hidden bit stands above the 52 of the mantissa.
+    let trailing = (bits & ((1 << 52) - 1) | 1 << 52).trailing_zeros() as u64;
+    let exponent = (bits >> 52 & 0x7ff) + trailing;
+    f64::from_bits(exponent.saturating_sub(52).max(1) << 52)
+}
+
+impl Filter {
+    /// The filter for these points.
+    pub fn for_points(points: &[DVec3]) -> Filter {
+        let mut filter = Filter::default();
+        for &point in points {
+            filter.cover(point);
+        }
+        filter.update_bounds();
+        filter
+    }
+
+    /// Extends the filter to one more point.
+    #[inline]
+    pub fn extend(&mut self, point: DVec3) {
+        let (low, high) = (self.low, self.high);
+        self.cover(point);
+        if low != self.low || high != self.high {
+            self.update_bounds();
+        }
+    }
+
+    /// The corners of the box of all points; inverted when there is none.
+    pub fn bounding_box(&self) -> (DVec3, DVec3) {
+        (self.low, self.high)
+    }
+
+    #[inline]
+    fn cover(&mut self, point: DVec3) {
+        self.low = self.low.min(point);
+        self.high = self.high.max(point);
+        self.unit = self.unit.min(divisor(point.x)).min(divisor(point.y)).min(divisor(point.z));
+    }
+
+    fn update_bounds(&mut self) {
+        // Rounded up, as the differences of the predicates may be.
+        let size = (self.high - self.low) * (1.0 + 4.0 * f64::EPSILON);
+        let volume = size.x * size.y * size.z;
+        self.orient_bound = ORIENT_ERROR * volume * (1.0 + 8.0 * f64::EPSILON);
+        self.insphere_bound = INSPHERE_ERROR * volume * size.length_squared() * (1.0 + 16.0 * f64::EPSILON);
+    }
+
+    /// The sign of `det[b−a, c−a, d−a]`: positive when `d` sees `abc` counterclockwise from the inside of a positive
+    /// tetrahedron.
+    #[inline]
+    pub fn orient3d(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
+        let (u, v, w) = (a - d, b - d, c - d);
+        let det = orient_determinant(u, v, w);
+        if det > self.orient_bound {
+            return Sign::Positive;
+        }
+        if det < -self.orient_bound {
+            return Sign::Negative;
+        }
+        self.orient3d_slow(a, b, c, d, det)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn orient3d_slow(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3, det: f64) -> Sign {
+        let m = (a - d).abs().max((b - d).abs()).max((c - d).abs());
+        let bound = ORIENT_ERROR * (1.0 + 8.0 * f64::EPSILON) * (m.x * m.y * m.z);
+        if det.abs() > bound || m.max_element() <= ORIENT_EXACT_UNITS * self.unit {
+            return Sign::of(det);
+        }
+        orient3d(a, b, c, d)
+    }
+
+    /// Where `p` lies to the circumsphere of the positive tetrahedron `abcd`: positive inside.
+    #[inline]
+    pub fn insphere(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3, p: DVec3) -> Sign {
+        let det = insphere_determinant(a - p, b - p, c - p, d - p);
+        if det > self.insphere_bound {
+            return Sign::Positive;
+        }
+        if det < -self.insphere_bound {
+            return Sign::Negative;
+        }
+        self.insphere_slow(a, b, c, d, p, det)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn insphere_slow(&self, a: DVec3, b: DVec3, c: DVec3, d: DVec3, p: DVec3, det: f64) -> Sign {
+        let m = (a - p).abs().max((b - p).abs()).max((c - p).abs()).max((d - p).abs());
+        let bound = INSPHERE_ERROR * (1.0 + 16.0 * f64::EPSILON) * (m.x * m.y * m.z) * m.length_squared();
+        if det.abs() > bound || m.max_element() <= INSPHERE_EXACT_UNITS * self.unit {
+            return Sign::of(det);
+        }
+        insphere(a, b, c, d, p)
+    }
+}
+
+/// `−det[u, v, w]` in Shewchuk's order of evaluation, which his error bound is for; with `u = a − d` and so on it is
+/// `det[b−a, c−a, d−a]`.
+#[inline]
+fn orient_determinant(u: DVec3, v: DVec3, w: DVec3) -> f64 {
+    let x = v.x * w.y - w.x * v.y;
+    let y = w.x * u.y - u.x * w.y;
+    let z = u.x * v.y - v.x * u.y;
+    -(u.z * x + v.z * y + w.z * z)
+}
+
+/// The 4 × 4 determinant of the rows `(vector, length²)`, negated, in Shewchuk's order of evaluation.
+#[inline]
+fn insphere_determinant(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
+    let ab = a.x * b.y - b.x * a.y;
+    let bc = b.x * c.y - c.x * b.y;
+    let cd = c.x * d.y - d.x * c.y;
+    let da = d.x * a.y - a.x * d.y;
+    let ac = a.x * c.y - c.x * a.y;
+    let bd = b.x * d.y - d.x * b.y;
+    let abc = a.z * bc - b.z * ac + c.z * ab;
+    let bcd = b.z * cd - c.z * bd + d.z * bc;
+    let cda = c.z * da + d.z * ac + a.z * cd;
+    let dab = d.z * ab + a.z * bd + b.z * da;
+    let lift = |v: DVec3| v.x * v.x + v.y * v.y + v.z * v.z;
+    (lift(c) * dab - lift(d) * abc) + (lift(a) * bcd - lift(b) * cda)
+}
+
+fn coord(p: DVec3) -> Coord3D<f64> {
+    Coord3D { x: p.x, y: p.y, z: p.z }
+}
+
+/// [`Filter::orient3d`] for points that no filter was made for.
+pub fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
+    // Shewchuk's orientation is the opposite of ours.
+    -Sign::of(robust::orient3d(coord(a), coord(b), coord(c), coord(d)))
+}
+
+/// [`Filter::insphere`] for points that no filter was made for.
+pub fn insphere(a: DVec3, b: DVec3, c: DVec3, d: DVec3, p: DVec3) -> Sign {
+    -Sign::of(robust::insphere(coord(a), coord(b), coord(c), coord(d), coord(p)))
+}
+
+/// The sign of the planar orientation of three points after dropping coordinate `axis` (0, 1, 2), the other two in
+/// cyclic order: positive counterclockwise seen from the positive end of that axis.
+pub fn orient2d(axis: usize, a: DVec3, b: DVec3, c: DVec3) -> Sign {
+    let project = |p: DVec3| {
+        let p = p.to_array();
+        robust::Coord { x: p[(axis + 1) % 3], y: p[(axis + 2) % 3] }
+    };
+    Sign::of(robust::orient2d(project(a), project(b), project(c)))
+}
+
+/// Whether three points lie on one line (or fewer than three differ).
+pub fn collinear(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    (0..3).all(|axis| orient2d(axis, a, b, c) == Sign::Zero)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: DVec3 = DVec3::ZERO;
+    const B: DVec3 = DVec3::X;
+    const C: DVec3 = DVec3::Y;
+    const D: DVec3 = DVec3::Z;
+
+    #[test]
+    fn conventions() {
+        let filter = Filter::for_points(&[A, B, C, D, DVec3::ONE]);
+        assert_eq!(filter.orient3d(A, B, C, D), Sign::Positive);
+        assert_eq!(filter.orient3d(B, A, C, D), Sign::Negative);
+        assert_eq!(filter.insphere(A, B, C, D, DVec3::splat(0.25)), Sign::Positive);
+        assert_eq!(filter.insphere(A, B, C, D, DVec3::splat(2.0)), Sign::Negative);
+        assert_eq!(filter.insphere(A, B, C, D, DVec3::ONE), Sign::Zero);
+        assert_eq!(orient3d(A, B, C, D), Sign::Positive);
+        assert_eq!(insphere(A, B, C, D, DVec3::splat(0.25)), Sign::Positive);
+        assert_eq!(orient2d(2, A, B, C), Sign::Positive);
+        assert_eq!(orient2d(0, A, C, D), Sign::Positive);
+        assert_eq!(orient2d(1, A, D, B), Sign::Positive);
+        assert!(collinear(A, DVec3::ONE, DVec3::splat(-3.0)) && !collinear(A, B, C));
+    }
+
+    #[test]
+    fn divisor_is_the_lowest_set_bit() {
+        assert_eq!(divisor(12.0), 4.0);
+        assert_eq!(divisor(-0.375), 0.125);
+        assert_eq!(divisor(1.0 + f64::EPSILON), f64::EPSILON);
+        assert_eq!(divisor(2f64.powi(-142)), 2f64.powi(-142));
+    }
+
+    #[test]
+    fn one_ulp_off_the_sphere_is_seen() {
+        let corners = [A, B, C, D];
+        let up = f64::from_bits(1f64.to_bits() + 1);
+        let p = DVec3::new(1.0, 1.0, up);
+        let filter = Filter::for_points(&[A, B, C, D, p]);
+        assert_eq!(filter.insphere(corners[0], corners[1], corners[2], corners[3], p), Sign::Negative);
+        let p = DVec3::new(1.0, 1.0, 1.0 - f64::EPSILON / 2.0);
+        assert_eq!(filter.insphere(corners[0], corners[1], corners[2], corners[3], p), Sign::Positive);
+    }
+
+    #[test]
+    fn all_stages_agree_on_a_fine_grid() {
+        // Every choice of five points of a small grid with a unit far below 1.
+        let unit = 2f64.powi(-60);
+        let points: Vec<DVec3> = (0..27)
+            .map(|i| DVec3::new((i % 3) as f64, (i / 3 % 3) as f64, (i / 9) as f64) * unit + DVec3::splat(3.0 * unit))
+            .collect();
+        let filter = Filter::for_points(&points);
+        let mut state = 1u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            points[(state >> 33) as usize % 27]
+        };
+        for _ in 0..2000 {
+            let (a, b, c, d, p) = (next(), next(), next(), next(), next());
+            assert_eq!(filter.orient3d(a, b, c, d), orient3d(a, b, c, d));
+            assert_eq!(filter.insphere(a, b, c, d, p), insphere(a, b, c, d, p));
+        }
+    }
+}

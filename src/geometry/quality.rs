@@ -1,0 +1,148 @@
+//! The quality of a tetrahedron: radius-edge ratio and dihedral angles.
+//!
+//! Whether a tetrahedron keeps the bound is decided exactly: a floating-point answer with a safe margin first, then
+//! the generic formula of [`exact`](super::exact). With `D = det[u, v, w]` and
+//! `N = |u|²(v×w) + |v|²(w×u) + |w|²(u×v)` the circumradius is `|N| / 2|D|`, so that `R > β·l` exactly when
+//! `|N|² > 4β²l²D²`: a flat tetrahedron with `N ≠ 0` is bad for every β.
+
+use glam::DVec3;
+
+use super::exact::{exact_sign, Scalar, Vector};
+use super::predicates::Sign;
+
+/// The six edges of a tetrahedron as pairs of its slots.
+pub const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// Squared circumradius and squared shortest edge, in floating point. Infinite or NaN radius when flat.
+#[inline]
+pub fn radius_and_edge_squared(tet: [DVec3; 4]) -> (f64, f64) {
+    let (shape, _) = shape(tet);
+    (shape.numerator / (4.0 * shape.volume6 * shape.volume6), shape.shortest)
+}
+
+/// The radius-edge ratio in floating point; infinite when flat.
+pub fn radius_edge(tet: [DVec3; 4]) -> f64 {
+    let (radius, edge) = radius_and_edge_squared(tet);
+    let ratio = (radius / edge).sqrt();
+    if ratio.is_nan() {
+        f64::INFINITY
+    } else {
+        ratio
+    }
+}
+
+struct Shape {
+    numerator: f64,
+    volume6: f64,
+    shortest: f64,
+}
+
+/// The quantities of the formula above, and the longest edge squared.
+#[inline]
+fn shape([a, b, c, d]: [DVec3; 4]) -> (Shape, f64) {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (vw, wu, uv) = (v.cross(w), w.cross(u), u.cross(v));
+    let (uu, vv, ww) = (u.length_squared(), v.length_squared(), w.length_squared());
+    let numerator = (uu * vw + vv * wu + ww * uv).length_squared();
+    let (bc, bd, cd) = (b.distance_squared(c), b.distance_squared(d), c.distance_squared(d));
+    let shortest = uu.min(vv).min(ww).min(bc).min(bd).min(cd);
+    let longest = uu.max(vv).max(ww);
+    (Shape { numerator, volume6: u.dot(vw), shortest }, longest)
+}
+
+/// Whether the tetrahedron's circumradius is more than `bound` times its shortest edge. Exact.
+#[inline]
+pub fn exceeds_radius_edge(tet: [DVec3; 4], bound: f64) -> bool {
+    let (shape, longest) = shape(tet);
+    let d2 = shape.volume6 * shape.volume6;
+    let left = shape.numerator;
+    let right = 4.0 * bound * bound * shape.shortest * d2;
+    // Absolute errors: volume6 is off by at most about 20u·L³, |N| by at most about 60u·L⁵ (L² = longest). Squared
+    // quantities are off by twice that times the quantity, which 2⁻⁴⁶ covers with room.
+    let scale = longest * longest.sqrt();
+    let slack = 1.5e-14;
+    let left_error = slack * (left.sqrt() * (scale * longest) + slack * (scale * longest) * (scale * longest));
+    let right_error =
+        slack * 4.0 * bound * bound * shape.shortest * (shape.volume6.abs() * scale + slack * scale * scale);
+    if left - right > left_error + right_error {
+        return true;
+    }
+    if right - left > left_error + right_error {
+        return false;
+    }
+    exceeds_exactly(tet, bound)
+}
+
+#[cold]
+#[inline(never)]
+fn exceeds_exactly(tet: [DVec3; 4], bound: f64) -> bool {
+    // R > β·shortest exactly when R > β·l for one of the edges at least.
+    EDGES.iter().any(|&[i, j]| exact_sign!(excess(tet, [tet[i], tet[j]], bound)) == Sign::Positive)
+}
+
+/// `|N|² − 4β²l²D²` for one edge.
+fn excess<T: Scalar>([a, b, c, d]: [DVec3; 4], [p, q]: [DVec3; 2], bound: f64) -> T {
+    let (u, v, w) = (Vector::<T>::difference(b, a), Vector::difference(c, a), Vector::difference(d, a));
+    let vw = v.cross(&w);
+    let n = vw
+        .scale(&u.length_squared())
+        .add(&w.cross(&u).scale(&v.length_squared()))
+        .add(&u.cross(&v).scale(&w.length_squared()));
+    let volume = T::new(2.0 * bound).mul(&u.dot(&vw));
+    n.length_squared().sub(&Vector::<T>::difference(p, q).length_squared().mul(&volume.mul(&volume)))
+}
+
+/// The smallest of the six dihedral angles, in degrees; 0 when flat.
+pub fn min_dihedral_degrees(tet: [DVec3; 4]) -> f64 {
+    let mut least = f64::INFINITY;
+    for [i, j] in EDGES {
+        let mut rest = (0..4).filter(|&k| k != i && k != j);
+        let (k, l) = (rest.next().unwrap_or(0), rest.next().unwrap_or(0));
+        let axis = tet[j] - tet[i];
+        // Normals of the two faces at the edge; atan2 keeps small angles accurate.
+        let (n, m) = (axis.cross(tet[k] - tet[i]), axis.cross(tet[l] - tet[i]));
+        least = least.min(n.cross(m).length().atan2(n.dot(m)));
+    }
+    let degrees = least.to_degrees();
+    if degrees.is_nan() {
+        0.0
+    } else {
+        degrees
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn regular() -> [DVec3; 4] {
+        [[0., 0., 0.], [1., 1., 0.], [1., 0., 1.], [0., 1., 1.]].map(DVec3::from)
+    }
+
+    #[test]
+    fn regular_tetrahedron() {
+        let t = regular();
+        assert!((radius_edge(t) - (3f64 / 8.0).sqrt()).abs() < 1e-15);
+        assert!((min_dihedral_degrees(t) - (1f64 / 3.0).acos().to_degrees()).abs() < 1e-12);
+        assert!(!exceeds_radius_edge(t, 1.0));
+    }
+
+    #[test]
+    fn equality_is_not_excess() {
+        // The corner of a cube: R² = 3/4, l² = 1. β² = 3/4 has no exact β: take a box with R = 1.5, l = 1.
+        let t = [[0., 0., 0.], [1., 0., 0.], [0., 2., 0.], [0., 0., 2.]].map(DVec3::from);
+        assert!(!exceeds_radius_edge(t, 1.5));
+        assert!(exceeds_radius_edge(t, f64::from_bits(1.5f64.to_bits() - 1)));
+    }
+
+    #[test]
+    fn flat_tetrahedra() {
+        let flat = [[0., 0., 0.], [1., 0., 0.], [2., 1., 0.], [0., 4., 0.]].map(DVec3::from);
+        assert!(exceeds_radius_edge(flat, 1e6));
+        assert_eq!(radius_edge(flat), f64::INFINITY);
+        assert_eq!(min_dihedral_degrees(flat), 0.0);
+        // Flat and cocircular: no sphere is the circumsphere, N = 0 and D = 0, no excess.
+        let square = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(DVec3::from);
+        assert!(!exceeds_radius_edge(square, 1.0));
+    }
+}

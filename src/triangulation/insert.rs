@@ -1,0 +1,293 @@
+//! Insertion of one point, and of many in a [spatial order](super::order).
+
+use glam::DVec3;
+
+use super::cavity::Cavity;
+use super::order::spatial_order;
+use super::topology::{tet_of, GHOST, MAX_VERTICES, NONE};
+use super::Triangulation;
+use crate::geometry::{check_points, check_range, Sign};
+use crate::{Control, Error};
+
+/// What became of an inserted point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inserted {
+    /// The point's vertex.
+    pub vertex: u32,
+    /// Whether the vertex is new, not one that was at the same place before.
+    pub is_new: bool,
+}
+
+/// How far a bulk insertion may go between two looks at the control.
+const POLL_INTERVAL: usize = 256;
+/// Insertions smaller than this can't be cancelled half-way, and need no copy to go back to.
+const UNINTERRUPTED: usize = 1024;
+
+impl Triangulation {
+    /// Inserts one point. `hint` is a vertex near it, if one is known.
+    ///
+    /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
+    pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
+        check_range(0, point)?;
+        self.check_room(1)?;
+        let point = point + DVec3::ZERO;
+        self.filter.extend(point);
+        let start = self.start(hint);
+        let vertex = self.points.len() as u32;
+        let found = self.insert_new(vertex, point, start);
+        if !matches!(found, Ok(inserted) if inserted.is_new) {
+            self.points.truncate(vertex as usize);
+            self.topology.vertex_tet.truncate(vertex as usize);
+        }
+        found
+    }
+
+    /// Inserts points in a spatial order, numbers them in theirs. Returns the vertex of each point; `None` when `control`
+    /// cancelled the call. Then, as after an error, the triangulation is as it was before.
+    ///
+    /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it already
+    /// has tetrahedra and more than a thousand points come at once.
+    pub fn insert_many(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
+        check_points(points)?;
+        self.check_room(points.len())?;
+        if !control.poll() {
+            return Ok(None);
+        }
+        let before = if points.len() >= UNINTERRUPTED { Some(self.clone()) } else { None };
+        let fallback = |this: &mut Self, before: Option<Triangulation>| {
+            if let Some(before) = before {
+                *this = before;
+            }
+        };
+        let base = self.points.len();
+        match self.insert_all(points, control) {
+            Ok(Some(ids)) => Ok(Some(ids)),
+            Ok(None) => {
+                fallback(self, before);
+                Ok(None)
+            }
+            Err(error) => {
+                debug_assert!(before.is_some() || self.points.len() == base);
+                fallback(self, before);
+                Err(error)
+            }
+        }
+    }
+
+    fn check_room(&self, more: usize) -> Result<(), Error> {
+        let requested = self.points.len() + more;
+        if requested > MAX_VERTICES || !self.topology.has_room(more) {
+            return Err(Error::TooManyVertices { requested, limit: MAX_VERTICES });
+        }
+        Ok(())
+    }
+
+    fn insert_all(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
+        let mut ids = Vec::with_capacity(points.len());
+        // Until a volume is spanned, and when they are few: one after the other.
+        let mut rest = points;
+        while let Some((&point, others)) = rest.split_first() {
+            if self.dimension() == 3 && points.len() >= UNINTERRUPTED {
+                break;
+            }
+            if ids.len() % POLL_INTERVAL == 0 && points.len() >= UNINTERRUPTED && !control.poll() {
+                return Ok(None);
+            }
+            ids.push(self.insert(point, None)?.vertex);
+            rest = others;
+        }
+        if rest.is_empty() {
+            return Ok(Some(ids));
+        }
+        Ok(self.insert_sorted(rest, control)?.map(|more| {
+            ids.extend(more);
+            ids
+        }))
+    }
+
+    /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
+    /// renumbered in the end.
+    fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
+        let base = self.points.len();
+        let order = spatial_order(points);
+        let reserve = |what| Error::OutOfMemory { what };
+        self.points.try_reserve(points.len()).map_err(|_| reserve("points"))?;
+        self.topology.vertex_tet.try_reserve(points.len()).map_err(|_| reserve("vertices"))?;
+        self.topology.tets.try_reserve(points.len() * 7).map_err(|_| reserve("tetrahedra"))?;
+        for &point in points {
+            self.filter.extend(point + DVec3::ZERO);
+        }
+        // The working id of each input point's vertex.
+        let mut working = vec![NONE; points.len()];
+        for (done, &i) in order.iter().enumerate() {
+            if done % POLL_INTERVAL == 0
+                && !control.report("delaunay", done as f64 / points.len() as f64, self.points.len())
+            {
+                return Ok(None);
+            }
+            let vertex = self.points.len() as u32;
+            let inserted = self.insert_new(vertex, points[i as usize] + DVec3::ZERO, self.last)?;
+            if !inserted.is_new {
+                self.points.pop();
+                self.topology.vertex_tet.pop();
+            }
+            working[i as usize] = inserted.vertex;
+        }
+        // Number the new vertices by their first occurrence in the input.
+        let mut new_id: Vec<u32> = (0..base as u32).chain(std::iter::repeat_n(NONE, self.points.len() - base)).collect();
+        let mut sorted = Vec::with_capacity(self.points.len() - base);
+        for id in &mut working {
+            let entry = &mut new_id[*id as usize];
+            if *entry == NONE {
+                *entry = (base + sorted.len()) as u32;
+                sorted.push(self.points[*id as usize]);
+            }
+            *id = *entry;
+        }
+        self.points.truncate(base);
+        self.points.extend(sorted);
+        self.topology.renumber(&new_id, self.points.len());
+        control.report("delaunay", 1.0, self.points.len());
+        Ok(Some(working))
+    }
+
+    /// Stores `point` as the last vertex and inserts it. When it is not new or fails, the caller takes it off again.
+    #[inline]
+    fn insert_new(&mut self, vertex: u32, point: DVec3, start: u32) -> Result<Inserted, Error> {
+        debug_assert_eq!(vertex as usize, self.points.len());
+        if self.dimension() < 3 {
+            return self.insert_lower(vertex, point);
+        }
+        self.points.push(point);
+        self.topology.vertex_tet.push(NONE);
+        self.insert_stored(vertex, start)
+    }
+
+    fn insert_lower(&mut self, vertex: u32, point: DVec3) -> Result<Inserted, Error> {
+        if let Some(vertex) = self.lower.find(point) {
+            // Callers take the last vertex off for a duplicate.
+            self.points.push(point);
+            self.topology.vertex_tet.push(NONE);
+            return Ok(Inserted { vertex, is_new: false });
+        }
+        self.points.push(point);
+        self.topology.vertex_tet.push(NONE);
+        if let Some(basis) = self.lower.add(vertex, point, &self.points) {
+            self.start_from(basis);
+            let order = spatial_order(&self.points);
+            for v in order.into_iter().filter(|v| !basis.contains(v)) {
+                self.insert_stored(v, self.last)?;
+            }
+        }
+        Ok(Inserted { vertex, is_new: true })
+    }
+
+    /// The triangulation of one tetrahedron and its four ghosts.
+    fn start_from(&mut self, [a, b, c, d]: [u32; 4]) {
+        let (a, b) = match self.filter.orient3d(self.at(a), self.at(b), self.at(c), self.at(d)) {
+            Sign::Positive => (a, b),
+            _ => (b, a),
+        };
+        let topology = &mut self.topology;
+        let inner = topology.create([a, b, c, d]);
+        // Each ghost sees its facet from outside: two corners swapped.
+        let ghosts = [[b, d, c], [a, c, d], [a, d, b], [a, b, c]].map(|[p, q, r]| topology.create([q, p, r, GHOST]));
+        for (slot, &ghost) in ghosts.iter().enumerate() {
+            topology.join(4 * inner + slot as u32, 4 * ghost + 3);
+        }
+        for (i, &g) in ghosts.iter().enumerate() {
+            for &h in &ghosts[i + 1..] {
+                let (s, t) = (topology.tet(g), topology.tet(h));
+                let slot = (0..3).find(|&k| !t.v.contains(&s.v[k]));
+                let other = (0..3).find(|&k| !s.v.contains(&t.v[k]));
+                if let (Some(slot), Some(other)) = (slot, other) {
+                    topology.join(4 * g + slot as u32, 4 * h + other as u32);
+                }
+            }
+        }
+        for v in [a, b, c, d] {
+            topology.vertex_tet[v as usize] = inner;
+        }
+        self.last = inner;
+    }
+
+    /// Inserts a vertex whose point is stored, in dimension 3.
+    #[inline]
+    fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
+        let point = self.at(vertex);
+        let t = self.walk(point, start);
+        if let Some(at) = self.vertex_at(t, point) {
+            self.last = t;
+            return Ok(Inserted { vertex: at, is_new: false });
+        }
+        let mut cavity = std::mem::take(&mut self.scratch);
+        self.find_cavity(point, t, &mut cavity);
+        let result = self.commit(vertex, &mut cavity);
+        self.scratch = cavity;
+        result.map(|()| Inserted { vertex, is_new: true })
+    }
+
+    fn commit(&mut self, vertex: u32, cavity: &mut Cavity) -> Result<(), Error> {
+        if !self.topology.has_room(cavity.faces.len()) {
+            cavity.clear();
+            return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
+        }
+        self.fill_cavity(vertex, cavity);
+        self.last = cavity.created[cavity.created.len() - 1];
+        Ok(())
+    }
+
+    /// The corner of tetrahedron `t` that lies at `point`.
+    #[inline]
+    pub(crate) fn vertex_at(&self, t: u32, point: DVec3) -> Option<u32> {
+        self.topology.tet(t).v.into_iter().find(|&v| v != GHOST && self.at(v) == point)
+    }
+
+    /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does
+    /// not. `Err` is the vertex at the same place. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves
+    /// the walk.
+    pub(crate) fn prepare(&mut self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
+        self.filter.extend(point);
+        self.look(point, start, cavity)
+    }
+
+    /// [`prepare`](Self::prepare) for a point within the bounding box.
+    pub(crate) fn look(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
+        let t = if self.conflicts(start, point) { start } else { self.walk(point, start) };
+        if let Some(at) = self.vertex_at(t, point) {
+            return Err(at);
+        }
+        self.find_cavity(point, t, cavity);
+        Ok(())
+    }
+
+    /// Inserts the point that `cavity` was found for.
+    pub(crate) fn insert_into(&mut self, point: DVec3, cavity: &mut Cavity) -> Result<u32, Error> {
+        let vertex = self.points.len() as u32;
+        if vertex as usize >= MAX_VERTICES {
+            cavity.clear();
+            return Err(Error::TooManyVertices { requested: vertex as usize + 1, limit: MAX_VERTICES });
+        }
+        self.points.push(point);
+        self.topology.vertex_tet.push(NONE);
+        let result = self.commit(vertex, cavity);
+        if result.is_err() {
+            self.points.pop();
+            self.topology.vertex_tet.pop();
+        }
+        result.map(|()| vertex)
+    }
+
+    /// A finite tetrahedron at `t`: itself, or the one inside a ghost's facet.
+    pub(crate) fn finite_at(&self, t: u32) -> u32 {
+        let tet = self.topology.tet(t);
+        if tet.is_ghost() {
+            tet_of(tet.n[3])
+        } else {
+            t
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

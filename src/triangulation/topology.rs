@@ -1,0 +1,275 @@
+//! The combinatorial side of the triangulation: tetrahedra, their adjacency, and the free list. It knows no coordinates.
+//!
+//! Every facet of the hull is joined to one *ghost* vertex, as in Shewchuk's and most later codes, so that
+//! each tetrahedron has four neighbours and the whole is a triangulated 3-sphere. The ghost always stands in slot 3.
+//! A tetrahedron's four vertices and four neighbours fill half a cache line. A neighbour entry is a
+//! *face handle* `4·tetrahedron + slot`, which also names the face as the neighbour sees it, so that no search is needed on
+//! the way back (C. Marot, J. Pellerin, J.-F. Remacle, "One machine, one minute, three billion tetrahedra", IJNME 117, 2019).
+
+/// The vertex at infinity.
+pub const GHOST: u32 = u32::MAX;
+/// In slot 0 of a tetrahedron that is on the free list.
+const DEAD: u32 = u32::MAX - 1;
+/// No face, no tetrahedron.
+pub const NONE: u32 = u32::MAX;
+/// Face handles have 32 bits.
+pub const MAX_TETRAHEDRA: usize = 1 << 30;
+/// Vertex ids stay clear of the marks that [`Cavity`](super::cavity::Cavity) keeps among them.
+pub const MAX_VERTICES: usize = 1 << 30;
+
+/// `faces[i]` is the face opposite vertex `v[i]`, as its other side's handle.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Tetrahedron {
+    /// Vertex ids, positively oriented. With the ghost in slot 3, any point beyond the face `v[0..3]` in its place makes
+    /// the tetrahedron positive.
+    pub v: [u32; 4],
+    /// Handle of the same face in the neighbour opposite each vertex.
+    pub n: [u32; 4],
+}
+
+/// The tetrahedron of a face handle.
+#[inline]
+pub fn tet_of(face: u32) -> u32 {
+    face >> 2
+}
+
+/// The slot opposite the face of a handle.
+#[inline]
+pub fn slot_of(face: u32) -> usize {
+    (face & 3) as usize
+}
+
+/// For slots `i ≠ j` the other two, ordered so that `(i, j, k, l)` is an even permutation of the slots.
+pub const EVEN_REST: [[[usize; 2]; 4]; 4] = {
+    let none = [0, 0];
+    [
+        [none, [2, 3], [3, 1], [1, 2]],
+        [[3, 2], none, [0, 3], [2, 0]],
+        [[1, 3], [3, 0], none, [0, 1]],
+        [[2, 1], [0, 2], [1, 0], none],
+    ]
+};
+
+impl Tetrahedron {
+    /// Whether it hangs on the hull's outside.
+    #[inline]
+    pub fn is_ghost(&self) -> bool {
+        self.v[3] == GHOST
+    }
+
+    /// Whether it is in the triangulation.
+    #[inline]
+    pub fn is_live(&self) -> bool {
+        self.v[0] != DEAD
+    }
+
+    /// The slot of `vertex`.
+    #[inline]
+    pub fn slot(&self, vertex: u32) -> Option<usize> {
+        self.v.iter().position(|&v| v == vertex)
+    }
+
+    /// The vertices of the face opposite a slot.
+    #[inline]
+    pub fn face(&self, slot: usize) -> [u32; 3] {
+        const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
+        FACE[slot].map(|i| self.v[i])
+    }
+}
+
+/// All tetrahedra, an incident one of each vertex, and what regions they belong to.
+#[derive(Clone, Debug, Default)]
+pub struct Topology {
+    pub tets: Vec<Tetrahedron>,
+    /// A tetrahedron at each vertex, [`NONE`] for removed vertices and below dimension 3.
+    pub vertex_tet: Vec<u32>,
+    /// One label a tetrahedron, inherited by what replaces it; empty until a domain asks for labels.
+    pub region: Vec<u16>,
+    free: Vec<u32>,
+    ghosts: usize,
+}
+
+impl Topology {
+    /// Finite and ghost tetrahedra.
+    pub fn live_count(&self) -> usize {
+        self.tets.len() - self.free.len()
+    }
+
+    /// Tetrahedra without the ghost.
+    pub fn finite_count(&self) -> usize {
+        self.live_count() - self.ghosts
+    }
+
+    #[inline]
+    pub fn tet(&self, t: u32) -> &Tetrahedron {
+        &self.tets[t as usize]
+    }
+
+    /// The live tetrahedra's indices, in storage order.
+    pub fn live(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.tets.len() as u32).filter(|&t| self.tet(t).is_live())
+    }
+
+    /// The tetrahedra without the ghost.
+    pub fn finite(&self) -> impl Iterator<Item = u32> + '_ {
+        self.live().filter(|&t| !self.tet(t).is_ghost())
+    }
+
+    /// Whether `count` more tetrahedra can be named.
+    pub fn has_room(&self, count: usize) -> bool {
+        self.tets.len() + count <= self.free.len() + MAX_TETRAHEDRA
+    }
+
+    /// A tetrahedron with these vertices and no neighbours yet.
+    #[inline]
+    pub fn create(&mut self, v: [u32; 4]) -> u32 {
+        debug_assert!(v[..3].iter().all(|&v| v < DEAD));
+        self.ghosts += usize::from(v[3] == GHOST);
+        let tet = Tetrahedron { v, n: [NONE; 4] };
+        match self.free.pop() {
+            Some(t) => {
+                self.tets[t as usize] = tet;
+                t
+            }
+            None => {
+                self.tets.push(tet);
+                if !self.region.is_empty() {
+                    self.region.push(0);
+                }
+                self.tets.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Gives a tetrahedron's slot back.
+    #[inline]
+    pub fn destroy(&mut self, t: u32) {
+        let tet = &mut self.tets[t as usize];
+        debug_assert!(tet.is_live());
+        self.ghosts -= usize::from(tet.is_ghost());
+        tet.v = [DEAD; 4];
+        self.free.push(t);
+    }
+
+    /// Makes two faces each other's neighbours.
+    #[inline]
+    pub fn join(&mut self, f: u32, g: u32) {
+        self.tets[tet_of(f) as usize].n[slot_of(f)] = g;
+        self.tets[tet_of(g) as usize].n[slot_of(g)] = f;
+    }
+
+    /// The tetrahedra around the edge in slots `i` and `j` of tetrahedron `t`, each with the slot of the vertex by
+    /// which it was entered last: successive tetrahedra share the face opposite that vertex. They come in positive order seen
+    /// from the end of slot `j` to slot `i`… the order in which `(vᵢ, vⱼ, vₖ, vₗ)` stays even.
+    pub fn around_edge(&self, t: u32, i: usize, j: usize) -> AroundEdge<'_> {
+        let tet = self.tet(t);
+        let [k, _] = EVEN_REST[i][j];
+        AroundEdge { topology: self, p: tet.v[i], q: tet.v[j], start: t, next: Some((t, k)) }
+    }
+
+    /// Some tetrahedron with both vertices, and their slots in it. Linear in the star of the vertex with the smaller one met first.
+    pub fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
+        self.star(p).into_iter().find_map(|t| {
+            let tet = self.tet(t);
+            Some((t, tet.slot(p)?, tet.slot(q)?))
+        })
+    }
+
+    /// The tetrahedra at a vertex, ghosts included, in the order of a breadth-first walk.
+    pub fn star(&self, vertex: u32) -> Vec<u32> {
+        let first = self.vertex_tet[vertex as usize];
+        if first == NONE {
+            return Vec::new();
+        }
+        let mut star = vec![first];
+        let mut seen = rustc_hash::FxHashSet::from_iter([first]);
+        let mut next = 0;
+        while next < star.len() {
+            let tet = self.tet(star[next]);
+            next += 1;
+            for slot in 0..4 {
+                let neighbour = tet_of(tet.n[slot]);
+                if tet.v[slot] != vertex && seen.insert(neighbour) {
+                    star.push(neighbour);
+                }
+            }
+        }
+        star
+    }
+
+    /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices.
+    pub fn renumber(&mut self, new_id: &[u32], count: usize) {
+        self.vertex_tet.clear();
+        self.vertex_tet.resize(count, NONE);
+        for (t, tet) in self.tets.iter_mut().enumerate() {
+            if !tet.is_live() {
+                continue;
+            }
+            for v in &mut tet.v {
+                if *v != GHOST {
+                    *v = new_id[*v as usize];
+                    self.vertex_tet[*v as usize] = t as u32;
+                }
+            }
+        }
+    }
+
+    /// Forgets all tetrahedra but no vertex.
+    pub fn clear_tetrahedra(&mut self) {
+        self.tets.clear();
+        self.free.clear();
+        self.region.clear();
+        self.ghosts = 0;
+        self.vertex_tet.fill(NONE);
+    }
+}
+
+/// Iterator of [`Topology::around_edge`]: `(tetrahedron, k, l)` with `(p, q, v[k], v[l])` even; the next tetrahedron
+/// lies across the face opposite `v[k]`, that is through `p`, `q` and `v[l]`.
+pub struct AroundEdge<'a> {
+    topology: &'a Topology,
+    p: u32,
+    q: u32,
+    start: u32,
+    next: Option<(u32, usize)>,
+}
+
+impl Iterator for AroundEdge<'_> {
+    type Item = (u32, usize, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (t, k) = self.next?;
+        let tet = self.topology.tet(t);
+        let l = (0..4).find(|&l| l != k && tet.v[l] != self.p && tet.v[l] != self.q)?;
+        let across = tet.n[k];
+        let next = tet_of(across);
+        self.next = (next != self.start).then(|| {
+            // The vertex to leave behind there is the one that both share: v[l].
+            let slot = self.topology.tet(next).slot(tet.v[l]);
+            debug_assert!(slot.is_some());
+            (next, slot.unwrap_or(0))
+        });
+        Some((t, k, l))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_rest_is_even() {
+        for i in 0..4 {
+            for j in (0..4).filter(|&j| j != i) {
+                let [k, l] = EVEN_REST[i][j];
+                let p = [i, j, k, l];
+                let inversions = (0..4).flat_map(|a| (a + 1..4).map(move |b| (a, b))).filter(|&(a, b)| p[a] > p[b]).count();
+                assert_eq!(inversions % 2, 0, "{p:?}");
+                let mut sorted = p;
+                sorted.sort_unstable();
+                assert_eq!(sorted, [0, 1, 2, 3]);
+            }
+        }
+    }
+}

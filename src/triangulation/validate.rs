@@ -1,0 +1,134 @@
+//! The invariants of a triangulation, checked one by one and exactly.
+
+use std::fmt;
+
+use super::topology::{slot_of, tet_of, GHOST, NONE};
+use super::Triangulation;
+use crate::geometry::Sign;
+
+/// A broken invariant. Meeting one means an error in this library, not in its input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Defect {
+    /// Two tetrahedra disagree about being neighbours, or about the face between them.
+    Adjacency { tetrahedron: [u32; 4], slot: usize },
+    /// A vertex has no tetrahedron, or one that it doesn't belong to.
+    Incidence { vertex: u32 },
+    /// The numbers of vertices, edges, faces and tetrahedra don't fit a 3-sphere.
+    Euler { characteristic: i64 },
+    /// A tetrahedron is flat or inverted.
+    Orientation { tetrahedron: [u32; 4] },
+    /// A vertex lies inside the circumsphere of a neighbouring tetrahedron.
+    NotDelaunay { tetrahedron: [u32; 4], vertex: u32 },
+    /// A subsegment of the domain is no edge of the triangulation.
+    MissingSubsegment { edge: [u32; 2] },
+    /// A subfacet of the domain is no face of the triangulation.
+    MissingSubfacet { face: [u32; 3] },
+    /// A tetrahedron of the domain is over the radius-edge bound.
+    BadTetrahedron { tetrahedron: [u32; 4] },
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Defect::Adjacency { tetrahedron, slot } => {
+                write!(f, "tetrahedron {tetrahedron:?} and its neighbour across face {slot} don't match")
+            }
+            Defect::Incidence { vertex } => write!(f, "vertex {vertex} names no tetrahedron of its own"),
+            Defect::Euler { characteristic } => write!(f, "Euler characteristic is {characteristic}, expected 0"),
+            Defect::Orientation { tetrahedron } => write!(f, "tetrahedron {tetrahedron:?} is not positive"),
+            Defect::NotDelaunay { tetrahedron, vertex } => {
+                write!(f, "vertex {vertex} lies inside the circumsphere of tetrahedron {tetrahedron:?}")
+            }
+            Defect::MissingSubsegment { edge } => write!(f, "subsegment {edge:?} is no edge"),
+            Defect::MissingSubfacet { face } => write!(f, "subfacet {face:?} is no face"),
+            Defect::BadTetrahedron { tetrahedron } => {
+                write!(f, "tetrahedron {tetrahedron:?} is over the radius-edge bound")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Defect {}
+
+impl Triangulation {
+    /// Checks the invariants up to a level: 1 the topology, 2 also orientation, 3 also the Delaunay property (local, exact, perturbation
+    /// included; local everywhere is global). Level 0 checks nothing. Linear time.
+    pub fn validate(&self, level: u32) -> Result<(), Defect> {
+        if level >= 1 {
+            self.validate_topology()?;
+        }
+        if level >= 2 {
+            self.validate_orientation()?;
+        }
+        if level >= 3 {
+            self.validate_delaunay()?;
+        }
+        Ok(())
+    }
+
+    fn validate_topology(&self) -> Result<(), Defect> {
+        let topology = &self.topology;
+        let mut edges = 0i64;
+        for t in topology.live() {
+            let tet = topology.tet(t);
+            for slot in 0..4 {
+                let defect = Defect::Adjacency { tetrahedron: tet.v, slot };
+                let face = tet.n[slot];
+                let other = topology.tets.get(tet_of(face) as usize).filter(|other| other.is_live()).ok_or(defect.clone())?;
+                let mut mine = tet.face(slot);
+                let mut theirs = other.face(slot_of(face));
+                mine.sort_unstable();
+                theirs.sort_unstable();
+                let distinct = tet.v[slot] != other.v[slot_of(face)];
+                if other.n[slot_of(face)] != 4 * t + slot as u32 || mine != theirs || !distinct {
+                    return Err(defect);
+                }
+                if tet.v[slot] == GHOST && slot != 3 {
+                    return Err(defect);
+                }
+            }
+            // Each edge is counted at the lowest tetrahedron around it.
+            for [i, j] in crate::geometry::quality::EDGES {
+                edges += i64::from(topology.around_edge(t, i, j).all(|(other, _, _)| other >= t));
+            }
+        }
+        for (v, &t) in topology.vertex_tet.iter().enumerate() {
+            let belongs = t != NONE && topology.tets.get(t as usize).is_some_and(|tet| tet.slot(v as u32).is_some());
+            if belongs != (self.dimension() == 3) {
+                return Err(Defect::Incidence { vertex: v as u32 });
+            }
+        }
+        if self.dimension() == 3 {
+            // A triangulated 3-sphere: V − E + F − T = 0 with F = 2T; the ghost is a vertex.
+            let characteristic = self.vertex_count() as i64 + 1 - edges + topology.live_count() as i64;
+            if characteristic != 0 {
+                return Err(Defect::Euler { characteristic });
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_orientation(&self) -> Result<(), Defect> {
+        for t in self.topology.finite() {
+            let [a, b, c, d] = self.corners(t);
+            if self.filter.orient3d(a, b, c, d) != Sign::Positive {
+                return Err(Defect::Orientation { tetrahedron: self.topology.tet(t).v });
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_delaunay(&self) -> Result<(), Defect> {
+        for t in self.topology.live() {
+            let tet = self.topology.tet(t);
+            for face in tet.n {
+                let vertex = self.topology.tet(tet_of(face)).v[slot_of(face)];
+                if vertex != GHOST && self.conflicts(t, self.at(vertex)) {
+                    return Err(Defect::NotDelaunay { tetrahedron: tet.v, vertex });
+                }
+            }
+        }
+        Ok(())
+    }
+}
