@@ -1,116 +1,269 @@
 //! A triangulation together with its domain: what most callers hold, and what the C handle wraps.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 
-use crate::domain::plc::Plc;
-use crate::sampler::Rule;
-use crate::{Control, Error, RefineOptions, RefineReport, Triangulation};
+use crate::domain::label::OUTSIDE;
+use crate::domain::plc::{Plc, PlcRegion};
+use crate::domain::Boundary;
+use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::refine::refiner::Refiner;
+use crate::triangulation::topology::tet_of;
+use crate::triangulation::Defect;
+use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
-/// A Delaunay triangulation and, once one is set, the domain it fills.
+/// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
-pub struct Mesh {}
-
-/// Where a Steiner point comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Origin {
-    /// The sampling rule, in the interior.
-    Sample,
-    /// The split of this encroached subsegment.
-    Segment([u32; 2]),
-    /// The split of this encroached subfacet.
-    Subfacet([u32; 3]),
+pub struct Mesh {
+    pub(crate) t: Triangulation,
+    pub(crate) domain: Option<Domain>,
+    /// Vertices that are no Steiner points; they come first.
+    input_vertices: usize,
+    view: OnceLock<View>,
 }
 
-/// One Steiner point to insert.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SteinerPoint {
-    pub position: DVec3,
-    pub origin: Origin,
+/// What bounds the mesh; which tetrahedra it encloses, their labels tell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Domain {
+    pub boundary: Boundary,
 }
 
-/// The points that one step of the refinement inserts together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Batch {
-    /// The bad short edge that asked for them.
-    pub edge: [u32; 2],
-    pub points: Vec<SteinerPoint>,
-    /// Span and sampling angle of the component, radians; 0 for boundary splits and circumcentres.
-    pub span: f64,
-    pub theta: f64,
+#[derive(Clone, Debug, Default)]
+struct View {
+    tetrahedra: Vec<[u32; 4]>,
+    neighbours: Vec<[u32; 4]>,
+    regions: Vec<u32>,
 }
 
-/// What one step needs to know.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepOptions {
-    pub radius_edge: f64,
-    pub rule: Rule,
-}
-
-/// Arrays of the mesh's tetrahedra for reading. Vertices are numbered by id.
+/// Arrays of the mesh for reading. Vertices are numbered by id.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshView<'a> {
-    /// One point a vertex id; a removed vertex keeps its place (NaN).
+    /// One point a vertex id.
     pub points: &'a [DVec3],
-    /// Four vertex ids a tetrahedron, positively oriented: det[b−a, c−a, d−a] > 0.
+    /// Four vertex ids a tetrahedron, positively oriented: `det[b−a, c−a, d−a] > 0`. Those of the domain, or all without one.
     pub tetrahedra: &'a [[u32; 4]],
-    /// The tetrahedron across the face opposite each vertex, `u32::MAX` on the hull.
+    /// The tetrahedron across the face opposite each vertex; `u32::MAX` where there is none in the view.
     pub neighbours: &'a [[u32; 4]],
+    /// The region of each tetrahedron: 0 for none of the caller's regions, else 1 + its position in [`Plc::regions`].
+    pub regions: &'a [u32],
 }
 
 impl Mesh {
     /// An empty mesh without a domain.
     pub fn new() -> Self {
-        unimplemented!()
+        Self::default()
     }
-    /// The triangulation of the complex's points with the complex as its domain.
+
+    /// The triangulation of the complex's points, with the complex as its domain.
+    ///
+    /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation, or
+    /// encroached. [`Error::Domain`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        let _ = (plc, control);
-        unimplemented!()
+        plc.check_references()?;
+        let mut mesh = Mesh::new();
+        let cancelled = Error::Domain { problem: "cancelled before the domain's boundary was recovered" };
+        let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(cancelled.clone())?;
+        mesh.input_vertices = mesh.t.vertex_count();
+        if mesh.t.dimension() < 3 && !plc.facets.is_empty() {
+            return Err(Error::InvalidDomain {
+                element: crate::DomainElement::Whole,
+                problem: "its points lie in a plane and enclose no volume".into(),
+            });
+        }
+        let boundary = Boundary::from_plc(&mesh.t, plc, &ids)?;
+        match mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? {
+            RefineStatus::Cancelled => Err(cancelled),
+            _ => Ok(mesh),
+        }
     }
-    pub fn triangulation(&self) -> &Triangulation {
-        unimplemented!()
-    }
-    pub fn has_domain(&self) -> bool {
-        unimplemented!()
-    }
-    /// Inserts all points; `ids[i]` becomes the vertex of `points[i]`, for a duplicate the first one's.
-    /// All or nothing, but for a cancellation (Ok(false)): then nothing is inserted either.
-    pub fn insert(&mut self, points: &[DVec3], ids: Option<&mut Vec<u32>>, control: &Control) -> Result<bool, Error> {
-        let _ = (points, ids, control);
-        unimplemented!()
-    }
-    /// Makes the hull of the present points the domain.
+
+    /// Makes the convex hull of the present points the domain: its coplanar facets are kept as facets, its other edges as segments.
+    /// Below dimension 3 there is no hull, and nothing to refine.
     pub fn use_hull_as_domain(&mut self) -> Result<(), Error> {
-        unimplemented!()
+        if self.domain.is_some() {
+            return Err(Error::Domain { problem: "the mesh has a domain already" });
+        }
+        let boundary = if self.t.dimension() == 3 { Boundary::from_hull(&self.t) } else { Boundary::default() };
+        // The hull's facets are faces already: there is nothing to recover, only to label; encroached parts wait for the refinement.
+        self.forget_view();
+        let mut domain = Domain { boundary };
+        if self.t.dimension() == 3 {
+            domain.boundary.enqueue_all(&self.t);
+            domain.boundary.label(&mut self.t, &[], &[]);
+        }
+        self.domain = Some(domain);
+        Ok(())
     }
-    /// All bad short edges, shortest first (ties by vertex ids), as vertex pairs with the lower id first.
-    pub fn bad_short_edges(&self, radius_edge: f64) -> Result<Vec<[u32; 2]>, Error> {
-        let _ = radius_edge;
-        unimplemented!()
+
+    fn set_boundary(
+        &mut self,
+        mut boundary: Boundary,
+        holes: &[DVec3],
+        regions: &[PlcRegion],
+        control: &Control,
+    ) -> Result<RefineStatus, Error> {
+        let mut status = RefineStatus::Done;
+        if self.t.dimension() == 3 {
+            boundary.enqueue_all(&self.t);
+            status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
+            boundary.label(&mut self.t, holes, regions);
+        }
+        self.forget_view();
+        self.domain = Some(Domain { boundary });
+        Ok(status)
     }
-    /// The next step for this edge: boundary rules first, then its samples. Empty if the edge is not bad.
-    pub fn steiner_batch(&self, edge: [u32; 2], options: &StepOptions) -> Result<Batch, Error> {
-        let _ = (edge, options);
-        unimplemented!()
+
+    /// The triangulation.
+    pub fn triangulation(&self) -> &Triangulation {
+        &self.t
     }
-    /// Inserts a batch made by `steiner_batch` of this mesh; returns the new vertices' ids.
-    pub fn insert_batch(&mut self, batch: &Batch) -> Result<Vec<u32>, Error> {
-        let _ = batch;
-        unimplemented!()
+
+    /// Whether a domain has been set.
+    pub fn has_domain(&self) -> bool {
+        self.domain.is_some()
     }
-    /// Refines until every tetrahedron keeps the bound, or a limit says stop.
+
+    /// The domain's boundary as it is split now.
+    pub fn boundary(&self) -> Option<&Boundary> {
+        self.domain.as_ref().map(|domain| &domain.boundary)
+    }
+
+    /// Number of vertices that are no Steiner points; they have the lowest ids.
+    pub fn input_vertex_count(&self) -> usize {
+        if self.domain.is_some() {
+            self.input_vertices
+        } else {
+            self.t.vertex_count()
+        }
+    }
+
+    /// Inserts all points; `ids[i]` becomes the vertex of `points[i]`, for a duplicate that of the first one.
+    ///
+    /// All or nothing: after an error, or `Ok(false)` for a cancellation, the mesh is as it was. A mesh with a domain takes no further
+    /// points except as Steiner batches: [`Error::Domain`].
+    pub fn insert(&mut self, points: &[DVec3], ids: Option<&mut Vec<u32>>, control: &Control) -> Result<bool, Error> {
+        if self.domain.is_some() {
+            return Err(Error::Domain { problem: "points can't be inserted once the mesh has a domain" });
+        }
+        let Some(vertices) = self.t.insert_many(points, control)? else { return Ok(false) };
+        self.forget_view();
+        self.input_vertices = self.t.vertex_count();
+        if let Some(ids) = ids {
+            *ids = vertices;
+        }
+        Ok(true)
+    }
+
+    /// Refines until every tetrahedron of the domain keeps the bound, or a limit says stop. Without a domain the hull becomes it.
+    ///
+    /// Cost: near-linear in the vertices of the result.
     pub fn refine(&mut self, options: &RefineOptions, control: &Control) -> Result<RefineReport, Error> {
-        let _ = (options, control);
-        unimplemented!()
+        options.check()?;
+        if self.domain.is_none() {
+            self.use_hull_as_domain()?;
+        }
+        self.forget_view();
+        let mut counts = [0; 3];
+        let mut status = RefineStatus::Done;
+        if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
+            let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
+            let result = refiner.refine(control);
+            counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
+            status = result?;
+        }
+        let mut report = self.report(options.radius_edge, status);
+        [report.samples, report.segment_splits, report.facet_splits] = counts;
+        Ok(report)
     }
-    /// Whether and how the mesh is broken.
-    pub fn validate(&self, level: u32) -> Result<(), String> {
-        let _ = level;
-        unimplemented!()
+
+    /// The mesh's sizes and quality now.
+    pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
+        let mut report = RefineReport {
+            status,
+            input_vertices: self.input_vertex_count(),
+            vertices: self.t.vertex_count(),
+            tetrahedra: 0,
+            steiner: self.t.vertex_count() - self.input_vertex_count(),
+            samples: 0,
+            segment_splits: 0,
+            facet_splits: 0,
+            bad: 0,
+            worst_radius_edge: 0.0,
+            min_dihedral_degrees: 180.0,
+        };
+        for tet in self.inside() {
+            let corners = self.t.corners(tet);
+            report.tetrahedra += 1;
+            report.bad += usize::from(exceeds_radius_edge(corners, bound));
+            report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
+            report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
+        }
+        report
     }
-    /// The tetrahedra of the domain (all finite ones without a domain).
+
+    /// The two parts, to change them; a view must be forgotten with it.
+    pub(crate) fn parts(&mut self) -> (&mut Triangulation, Option<&mut Boundary>) {
+        (&mut self.t, self.domain.as_mut().map(|domain| &mut domain.boundary))
+    }
+
+    /// Drops the arrays of the view, because what they show changes.
+    pub(crate) fn forget_view(&mut self) {
+        self.view = OnceLock::new();
+    }
+
+    /// The tetrahedra of the domain.
+    pub(crate) fn inside(&self) -> impl Iterator<Item = u32> + '_ {
+        self.t.topology.finite().filter(|&t| self.is_inside(t))
+    }
+
+    fn is_inside(&self, t: u32) -> bool {
+        !self.t.topology.tet(t).is_ghost() && self.t.topology.region.get(t as usize) != Some(&OUTSIDE)
+    }
+
+    /// Checks the invariants up to a level: 1 topology, 2 orientation, 3 the Delaunay property and that all subsegments and subfacets
+    /// are edges and faces. Exact, linear time.
+    pub fn validate(&self, level: u32) -> Result<(), Defect> {
+        self.t.validate(level)?;
+        match &self.domain {
+            Some(domain) if level >= 3 && self.t.dimension() == 3 => {
+                domain.boundary.first_missing(&self.t).map_or(Ok(()), Err)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks that every tetrahedron of the domain keeps the radius-edge bound. Exact.
+    pub fn validate_quality(&self, bound: f64) -> Result<(), Defect> {
+        match self.inside().find(|&t| exceeds_radius_edge(self.t.corners(t), bound)) {
+            Some(t) => Err(Defect::BadTetrahedron { tetrahedron: self.t.topology.tet(t).v }),
+            None => Ok(()),
+        }
+    }
+
+    /// The mesh as arrays. They are made at the first call after a change, in linear time.
     pub fn view(&self) -> MeshView<'_> {
-        unimplemented!()
+        let view = self.view.get_or_init(|| self.make_view());
+        MeshView {
+            points: self.t.points(),
+            tetrahedra: &view.tetrahedra,
+            neighbours: &view.neighbours,
+            regions: &view.regions,
+        }
+    }
+
+    fn make_view(&self) -> View {
+        let topology = &self.t.topology;
+        let mut number = vec![u32::MAX; topology.tets.len()];
+        let inside: Vec<u32> = self.inside().collect();
+        for (i, &t) in inside.iter().enumerate() {
+            number[t as usize] = i as u32;
+        }
+        let region = |&t: &u32| topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)));
+        View {
+            tetrahedra: inside.iter().map(|&t| topology.tet(t).v).collect(),
+            neighbours: inside.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])).collect(),
+            regions: inside.iter().map(region).collect(),
+        }
     }
 }

@@ -1,2 +1,22 @@
-//! Domains.
+//! The domain: a piecewise linear complex, and what of it the refinement keeps as the triangulation's boundary.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`plc`] | the complex as the caller describes it |
+//! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
+//! | `build` | from complex, or hull, to boundary |
+//! | [`facet`] | the planar triangulation of one facet |
+//! | `split` | what a split changes in it |
+//! | `label` | which tetrahedra lie in the domain |
+//!
+//! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
+//! or subfacet that is missing from the triangulation, or encroached, is split.
+
+pub mod boundary;
+mod build;
+pub mod facet;
+pub(crate) mod label;
 pub mod plc;
+mod split;
+
+pub use boundary::Boundary;

@@ -12,4 +12,4 @@ pub mod quality;
 mod range;
 
 pub use predicates::{Filter, Sign};
-pub use range::{check_points, check_range, flush_tiny};
+pub use range::{check_points, check_range, flush_tiny, MAX_MAGNITUDE, MIN_LENGTH, MIN_MAGNITUDE};

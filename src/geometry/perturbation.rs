@@ -61,7 +61,8 @@ mod tests {
     #[test]
     fn the_cube_has_one_answer_from_every_tetrahedron_order() {
         // Even permutations describe the same tetrahedron: the answer may not depend on them.
-        let corners: Vec<DVec3> = (0..8).map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
+        let corners: Vec<DVec3> =
+            (0..8).map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
         let filter = Filter::for_points(&corners);
         let even = [[0, 1, 2, 3], [1, 2, 0, 3], [2, 0, 1, 3], [1, 0, 3, 2], [3, 2, 1, 0], [0, 3, 1, 2], [2, 3, 0, 1]];
         for quad in 0..70u32 {

@@ -13,6 +13,9 @@ pub const MIN_MAGNITUDE: f64 = f64::from_bits((1023 - 142) << 52);
 /// Largest magnitude that a coordinate may have.
 pub const MAX_MAGNITUDE: f64 = f64::from_bits((1023 + 201) << 52);
 
+/// A length that is safe to add to any coordinate or to have a triangulation in: far above the smallest magnitude.
+pub const MIN_LENGTH: f64 = MIN_MAGNITUDE * 1024.0;
+
 fn in_range(x: f64) -> bool {
     let magnitude = x.abs();
     x == 0.0 || (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&magnitude)

@@ -1,11 +1,25 @@
-//! The refinement loop.
+//! Refinement: Algorithm 2 of Jampani and Üngör with the boundary rules of Ruppert and Shewchuk.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `refiner` | the loop, and rule 3 |
+//! | `split` | rules 1 and 2 |
+//! | [`step`] | the same, one batch at a time, for a host's own loop |
+//! | `queue` | the bad tetrahedron with the shortest edge first |
 
-use crate::sampler::Rule;
+mod queue;
+pub(crate) mod refiner;
+pub(crate) mod split;
+pub mod step;
+
+pub use crate::sampler::Rule;
+use crate::Error;
 
 /// What [`Mesh::refine`](crate::Mesh::refine) shall reach, and when it shall stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineOptions {
-    /// The bound β: no tetrahedron's circumradius is longer than β times its shortest edge. At least 1.
+    /// The bound β: no tetrahedron's circumradius is longer than β times its shortest edge. Finite, at least 0.62 (a
+    /// regular tetrahedron has 0.612); refinement is sure to end for 2 and more, and usually does well below.
     pub radius_edge: f64,
     /// How Steiner points are chosen.
     pub rule: Rule,
@@ -21,37 +35,65 @@ impl Default for RefineOptions {
     }
 }
 
+pub(crate) fn check_radius_edge(value: f64) -> Result<(), Error> {
+    if (0.62..=1e6).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::InvalidOption { name: "radius_edge", value, expected: "a number from 0.62 to 1e6" })
+}
+
+impl RefineOptions {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check_radius_edge(self.radius_edge)?;
+        if !(self.min_edge.is_finite() && self.min_edge >= 0.0) {
+            return Err(Error::InvalidOption {
+                name: "min_edge",
+                value: self.min_edge,
+                expected: "a finite length, or 0 for the default",
+            });
+        }
+        Ok(())
+    }
+}
+
 /// How a refinement ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RefineStatus {
-    /// Every tetrahedron keeps the bound.
+    /// Every tetrahedron of the domain keeps the bound.
     Done,
-    /// The control was cancelled; the mesh is valid.
+    /// The control was cancelled. The mesh is valid, and refining it again goes on from here.
     Cancelled,
-    /// The vertex limit was reached; the mesh is valid.
+    /// The vertex limit was reached. The mesh is valid.
     VertexLimit,
     /// Some tetrahedra are left bad because mending them would need an edge below the minimum length.
     MinEdge,
 }
 
-/// What a refinement did, and the mesh's quality now.
+/// What a refinement did, and the mesh's quality after it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineReport {
     pub status: RefineStatus,
+    /// Vertices before any Steiner point.
     pub input_vertices: usize,
     pub vertices: usize,
+    /// Tetrahedra of the domain.
     pub tetrahedra: usize,
-    /// vertices − input_vertices.
+    /// `vertices − input_vertices`.
     pub steiner: usize,
-    /// Steiner points that the sampling rule made, that split segments, that split subfacets.
+    /// Steiner points of this call that the sampling rule placed.
     pub samples: usize,
+    /// Steiner points of this call that split subsegments.
     pub segment_splits: usize,
+    /// Steiner points of this call that split subfacets.
     pub facet_splits: usize,
     /// Tetrahedra of the domain over the bound (exact).
     pub bad: usize,
-    /// The largest R/l in the domain, 0 without tetrahedra.
+    /// The largest radius-edge ratio in the domain, 0 without tetrahedra.
     pub worst_radius_edge: f64,
-    /// The smallest dihedral angle in the domain, 180 without tetrahedra.
+    /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.
     pub min_dihedral_degrees: f64,
 }
+
+#[cfg(test)]
+mod tests;

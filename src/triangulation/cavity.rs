@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::topology::{slot_of, tet_of, Topology, GHOST, NONE};
 use super::Triangulation;
 use crate::geometry::perturbation::in_conflict;
-use crate::geometry::Sign;
+use crate::geometry::{Filter, Sign};
 
 /// The cavity of one point, and scratch memory to find the next one in.
 #[derive(Clone, Debug, Default)]
@@ -80,32 +80,32 @@ impl Triangulation {
     /// Whether `p` lies inside the circumsphere of tetrahedron `t`, after perturbation; for a ghost, whether it lies beyond the
     /// hull facet, or on its plane and inside its circle.
     #[inline]
-    pub(crate) fn conflicts(&self, t: u32, p: DVec3) -> bool {
+    pub(crate) fn conflicts(&self, filter: &Filter, t: u32, p: DVec3) -> bool {
         let tet = self.topology.tet(t);
         let [a, b, c] = [tet.v[0], tet.v[1], tet.v[2]].map(|v| self.points[v as usize]);
         if tet.is_ghost() {
-            return match self.filter.orient3d(a, b, c, p) {
+            return match filter.orient3d(a, b, c, p) {
                 Sign::Positive => true,
                 Sign::Negative => false,
                 // On the facet's plane the circle decides, and every sphere through it has the same answer there, perturbed or not:
                 // the coefficient of a fourth corner is the orientation of the facet and p, which is 0.
                 Sign::Zero => {
                     let inner = self.topology.tet(tet_of(tet.n[3]));
-                    in_conflict(&self.filter, inner.v.map(|v| self.points[v as usize]), p)
+                    in_conflict(filter, inner.v.map(|v| self.points[v as usize]), p)
                 }
             };
         }
-        in_conflict(&self.filter, [a, b, c, self.points[tet.v[3] as usize]], p)
+        in_conflict(filter, [a, b, c, self.points[tet.v[3] as usize]], p)
     }
 
-    /// Finds the cavity of `p`, starting from a tetrahedron in conflict with it. `p` must not be a vertex and must be covered by
-    /// the filter.
-    pub(crate) fn find_cavity(&self, p: DVec3, start: u32, cavity: &mut Cavity) {
+    /// Finds the cavity of `p`, starting from a tetrahedron in conflict with it. `p` must not be a vertex; the
+    /// filter covers the triangulation and `p`.
+    pub(crate) fn find_cavity(&self, filter: &Filter, p: DVec3, start: u32, cavity: &mut Cavity) {
         cavity.clear();
         if cavity.marks.len() < self.topology.tets.len() {
             cavity.marks.resize(self.topology.tets.capacity().max(64), 0);
         }
-        debug_assert!(self.conflicts(start, p));
+        debug_assert!(self.conflicts(filter, start, p));
         cavity.marks[start as usize] = 1;
         cavity.tets.push(start);
         let mut next = 0;
@@ -119,7 +119,7 @@ impl Triangulation {
                 if cavity.marks[neighbour as usize] != 0 {
                     continue;
                 }
-                if self.conflicts(neighbour, p) {
+                if self.conflicts(filter, neighbour, p) {
                     cavity.marks[neighbour as usize] = 1;
                     cavity.tets.push(neighbour);
                 } else {

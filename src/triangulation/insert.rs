@@ -6,7 +6,7 @@ use super::cavity::Cavity;
 use super::order::spatial_order;
 use super::topology::{tet_of, GHOST, MAX_VERTICES, NONE};
 use super::Triangulation;
-use crate::geometry::{check_points, check_range, Sign};
+use crate::geometry::{check_points, check_range, Filter, Sign};
 use crate::{Control, Error};
 
 /// What became of an inserted point.
@@ -134,7 +134,8 @@ impl Triangulation {
             working[i as usize] = inserted.vertex;
         }
         // Number the new vertices by their first occurrence in the input.
-        let mut new_id: Vec<u32> = (0..base as u32).chain(std::iter::repeat_n(NONE, self.points.len() - base)).collect();
+        let mut new_id: Vec<u32> =
+            (0..base as u32).chain(std::iter::repeat_n(NONE, self.points.len() - base)).collect();
         let mut sorted = Vec::with_capacity(self.points.len() - base);
         for id in &mut working {
             let entry = &mut new_id[*id as usize];
@@ -221,7 +222,7 @@ impl Triangulation {
             return Ok(Inserted { vertex: at, is_new: false });
         }
         let mut cavity = std::mem::take(&mut self.scratch);
-        self.find_cavity(point, t, &mut cavity);
+        self.find_cavity(&self.filter, point, t, &mut cavity);
         let result = self.commit(vertex, &mut cavity);
         self.scratch = cavity;
         result.map(|()| Inserted { vertex, is_new: true })
@@ -248,16 +249,17 @@ impl Triangulation {
     /// the walk.
     pub(crate) fn prepare(&mut self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
         self.filter.extend(point);
-        self.look(point, start, cavity)
+        self.look(&self.filter, point, start, cavity)
     }
 
-    /// [`prepare`](Self::prepare) for a point within the bounding box.
-    pub(crate) fn look(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
-        let t = if self.conflicts(start, point) { start } else { self.walk(point, start) };
+    /// [`prepare`](Self::prepare) for looking only: with a filter that covers the point, the triangulation need not change.
+    pub(crate) fn look(&self, filter: &Filter, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
+        let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(filter, start, point);
+        let t = if in_conflict { start } else { self.walk_with(filter, point, start) };
         if let Some(at) = self.vertex_at(t, point) {
             return Err(at);
         }
-        self.find_cavity(point, t, cavity);
+        self.find_cavity(filter, point, t, cavity);
         Ok(())
     }
 
@@ -276,6 +278,21 @@ impl Triangulation {
             self.topology.vertex_tet.pop();
         }
         result.map(|()| vertex)
+    }
+
+    /// Stores a point behind the others, without a vertex in the triangulation.
+    pub(crate) fn push_point(&mut self, p: DVec3) {
+        self.points.push(p);
+    }
+
+    /// Takes back [`push_point`](Self::push_point).
+    pub(crate) fn pop_point(&mut self) {
+        self.points.pop();
+    }
+
+    /// A tetrahedron of the last insertion.
+    pub(crate) fn recent(&self) -> u32 {
+        self.last
     }
 
     /// A finite tetrahedron at `t`: itself, or the one inside a ghost's facet.

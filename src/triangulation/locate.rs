@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::topology::{slot_of, tet_of};
 use super::Triangulation;
-use crate::geometry::Sign;
+use crate::geometry::{Filter, Sign};
 
 /// Where a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl Triangulation {
         self.walk_with(&self.filter, p, start)
     }
 
-    fn walk_with(&self, filter: &crate::geometry::Filter, p: DVec3, start: u32) -> u32 {
+    pub(crate) fn walk_with(&self, filter: &Filter, p: DVec3, start: u32) -> u32 {
         let mut t = start;
         let mut entered = usize::MAX;
         if self.topology.tet(t).is_ghost() {

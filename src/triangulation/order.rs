@@ -13,9 +13,8 @@ const GROWTH: f64 = 7.5;
 
 /// The positions of `points` in the order to insert them.
 pub fn spatial_order(points: &[DVec3]) -> Vec<u32> {
-    let (low, high) = points
-        .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+    let (low, high) =
+        points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
     let size = (high - low).max_element();
     // Twice halved, so that no size overflows.
     let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
@@ -118,7 +117,8 @@ mod tests {
     #[test]
     fn neighbours_on_the_curve_are_neighbours_in_space() {
         // The 8³ cells of the curve's last three levels, in the order of their keys.
-        let mut cells: Vec<(u64, [u32; 3])> = (0..512u32).map(|i| [i & 7, i >> 3 & 7, i >> 6]).map(|c| (hilbert_key(c), c)).collect();
+        let mut cells: Vec<(u64, [u32; 3])> =
+            (0..512u32).map(|i| [i & 7, i >> 3 & 7, i >> 6]).map(|c| (hilbert_key(c), c)).collect();
         cells.sort_unstable();
         for pair in cells.windows(2) {
             let steps: u32 = (0..3).map(|i| pair[0].1[i].abs_diff(pair[1].1[i])).sum();

@@ -264,7 +264,8 @@ mod tests {
             for j in (0..4).filter(|&j| j != i) {
                 let [k, l] = EVEN_REST[i][j];
                 let p = [i, j, k, l];
-                let inversions = (0..4).flat_map(|a| (a + 1..4).map(move |b| (a, b))).filter(|&(a, b)| p[a] > p[b]).count();
+                let inversions =
+                    (0..4).flat_map(|a| (a + 1..4).map(move |b| (a, b))).filter(|&(a, b)| p[a] > p[b]).count();
                 assert_eq!(inversions % 2, 0, "{p:?}");
                 let mut sorted = p;
                 sorted.sort_unstable();

@@ -75,7 +75,8 @@ impl Triangulation {
             for slot in 0..4 {
                 let defect = Defect::Adjacency { tetrahedron: tet.v, slot };
                 let face = tet.n[slot];
-                let other = topology.tets.get(tet_of(face) as usize).filter(|other| other.is_live()).ok_or(defect.clone())?;
+                let other =
+                    topology.tets.get(tet_of(face) as usize).filter(|other| other.is_live()).ok_or(defect.clone())?;
                 let mut mine = tet.face(slot);
                 let mut theirs = other.face(slot_of(face));
                 mine.sort_unstable();
@@ -124,7 +125,7 @@ impl Triangulation {
             let tet = self.topology.tet(t);
             for face in tet.n {
                 let vertex = self.topology.tet(tet_of(face)).v[slot_of(face)];
-                if vertex != GHOST && self.conflicts(t, self.at(vertex)) {
+                if vertex != GHOST && self.conflicts(&self.filter, t, self.at(vertex)) {
                     return Err(Defect::NotDelaunay { tetrahedron: tet.v, vertex });
                 }
             }

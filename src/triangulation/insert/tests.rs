@@ -64,7 +64,9 @@ fn many() -> Vec<DVec3> {
         (state >> 40) as f64 / (1 << 24) as f64
     };
     let mut points: Vec<DVec3> = (0..3000).map(|_| DVec3::new(next(), next(), next())).collect();
-    points.extend((0..10).flat_map(|x| (0..10).flat_map(move |y| (0..10).map(move |z| DVec3::new(x as f64, y as f64, z as f64) * 0.125))));
+    points.extend((0..10).flat_map(|x| {
+        (0..10).flat_map(move |y| (0..10).map(move |z| DVec3::new(x as f64, y as f64, z as f64) * 0.125))
+    }));
     points.extend_from_within(500..900);
     points
 }

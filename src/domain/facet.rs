@@ -1,0 +1,256 @@
+//! The planar triangulation of one facet: its own Delaunay triangulation inside the one in space, constrained to its segments.
+//!
+//! The representation is the map from directed edges to apices that J. R. Shewchuk describes for small planar
+//! triangulations: `(u, v) ↦ w` for each counterclockwise triangle `uvw`. Points are inserted by the planar
+//! Bowyer–Watson step.
+//!
+//! Facets that don't lie along the axes can't hold their points exactly. So nothing here asks whether a point is *on* the facet: orientation is
+//! decided (exactly) after dropping the coordinate in which the normal is longest, and the circle test is an (exact) in-sphere test
+//! with one auxiliary point far above the facet, whose sphere cuts the plane in that circle. For points
+//! exactly in the plane this is the circle test of the triangulation in space, its perturbation included.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use crate::geometry::perturbation::in_conflict;
+use crate::geometry::predicates::orient2d;
+use crate::geometry::{Filter, Sign};
+
+/// A facet's triangles, counterclockwise seen from the positive end of its dominant axis.
+#[derive(Clone, Debug)]
+pub struct FacetTriangulation {
+    /// The caller's own number for the facet.
+    pub marker: i32,
+    /// The coordinate that is dropped.
+    axis: usize,
+    /// Above the facet, for circle tests.
+    above: DVec3,
+    filter: Filter,
+    apex: FxHashMap<[u32; 2], u32>,
+}
+
+/// What an insertion changed.
+#[derive(Clone, Debug, Default)]
+pub struct FacetChange {
+    pub removed: Vec<[u32; 3]>,
+    pub created: Vec<[u32; 3]>,
+}
+
+/// The same triangle with the lowest vertex first, orientation kept.
+fn rotate_lowest([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= a && b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// A triangle's directed edges, each with its apex.
+fn sides([a, b, c]: [u32; 3]) -> [([u32; 2], u32); 3] {
+    [([a, b], c), ([b, c], a), ([c, a], b)]
+}
+
+/// The coordinate in which a normal is longest.
+pub fn dominant_axis(normal: DVec3) -> usize {
+    let n = normal.abs();
+    if n.x >= n.y && n.x >= n.z {
+        0
+    } else if n.y >= n.z {
+        1
+    } else {
+        2
+    }
+}
+
+impl FacetTriangulation {
+    /// A facet from triangles that cover it, in any orientation. `normal` need not be exact.
+    pub fn new(triangles: &[[u32; 3]], normal: DVec3, marker: i32, points: &[DVec3]) -> FacetTriangulation {
+        let axis = dominant_axis(normal);
+        let corners = || triangles.iter().flatten().map(|&v| points[v as usize]);
+        let mut filter = Filter::default();
+        corners().for_each(|p| filter.extend(p));
+        let (low, high) = filter.bounding_box();
+        let mut above = corners().next().unwrap_or_default();
+        above[axis] = high[axis] + 2.0 * (high - low).max_element().max(crate::geometry::MIN_LENGTH);
+        filter.extend(above);
+        let mut facet = FacetTriangulation { marker, axis, above, filter, apex: FxHashMap::default() };
+        for &[a, b, c] in triangles {
+            let at = |v: u32| points[v as usize];
+            let positive = orient2d(axis, at(a), at(b), at(c)) != Sign::Negative;
+            facet.add(if positive { [a, b, c] } else { [a, c, b] });
+        }
+        facet
+    }
+
+    fn add(&mut self, triangle: [u32; 3]) {
+        for (edge, apex) in sides(triangle) {
+            let old = self.apex.insert(edge, apex);
+            debug_assert!(old.is_none());
+        }
+    }
+
+    fn remove(&mut self, triangle: [u32; 3]) {
+        for (edge, _) in sides(triangle) {
+            self.apex.remove(&edge);
+        }
+    }
+
+    /// All triangles, in order of their vertices.
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let mut all: Vec<[u32; 3]> =
+            self.apex.iter().map(|(&[a, b], &c)| [a, b, c]).filter(|&t| rotate_lowest(t) == t).collect();
+        all.sort_unstable();
+        all
+    }
+
+    /// The triangle with these vertices, counterclockwise.
+    pub fn triangle(&self, [a, b, c]: [u32; 3]) -> Option<[u32; 3]> {
+        [[a, b, c], [b, a, c]].into_iter().find(|&[a, b, c]| self.apex.get(&[a, b]) == Some(&c))
+    }
+
+    /// The triangles at an edge: one on the facet's border, two inside.
+    pub fn at_edge(&self, [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 3]> + '_ {
+        [[a, b], [b, a]].into_iter().filter_map(|[a, b]| self.apex.get(&[a, b]).map(|&c| [a, b, c]))
+    }
+
+    fn in_circle(&self, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
+        let at = |v: u32| points[v as usize];
+        in_conflict(&self.filter, [at(a), at(b), at(c), self.above], p)
+    }
+
+    fn counterclockwise(&self, a: DVec3, b: DVec3, c: DVec3) -> bool {
+        orient2d(self.axis, a, b, c) == Sign::Positive
+    }
+
+    /// Inserts the vertex `new` at `points[new]`, which lies in the circumcircle of `start`, or on a fixed edge of it, which then is
+    /// split. No other fixed edge is crossed. `None`, with nothing changed, when the point can't be
+    /// seen from its cavity: it lies beyond a fixed edge, or rounding put it on the wrong side of one.
+    pub fn insert(
+        &mut self,
+        new: u32,
+        start: &[[u32; 3]],
+        split: Option<[u32; 2]>,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+    ) -> Option<FacetChange> {
+        let p = points[new as usize];
+        self.filter.extend(p);
+        let is_split = |[a, b]: [u32; 2]| split == Some([a, b]) || split == Some([b, a]);
+        let mut removed: Vec<[u32; 3]> = start.to_vec();
+        let mut next = 0;
+        while next < removed.len() {
+            for ([a, b], _) in sides(removed[next]) {
+                if is_split([a, b]) || fixed([a, b]) {
+                    continue;
+                }
+                let Some(&c) = self.apex.get(&[b, a]) else { continue };
+                let triangle = [b, a, c];
+                let known = removed.iter().any(|&t| rotate_lowest(t) == rotate_lowest(triangle));
+                if !known && self.in_circle(triangle, p, points) {
+                    removed.push(triangle);
+                }
+            }
+            next += 1;
+        }
+        // Where rounding hides an edge of the cavity from the point, the cavity shrinks.
+        let border = loop {
+            let inner: rustc_hash::FxHashSet<[u32; 2]> =
+                removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
+            let border: Vec<([u32; 2], usize)> = removed
+                .iter()
+                .enumerate()
+                .flat_map(|(i, &t)| sides(t).map(|(e, _)| (e, i)))
+                .filter(|&([a, b], _)| !is_split([a, b]) && (!inner.contains(&[b, a]) || fixed([a, b])))
+                .collect();
+            let at = |v: u32| points[v as usize];
+            let hidden = border.iter().find(|&&([a, b], _)| !self.counterclockwise(at(a), at(b), p));
+            match hidden {
+                None => break border,
+                Some(&(_, i)) if i >= start.len() => {
+                    removed.remove(i);
+                }
+                Some(_) => return None,
+            }
+        };
+        for &t in &removed {
+            self.remove(t);
+        }
+        let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
+        for &t in &created {
+            self.add(t);
+        }
+        Some(FacetChange { removed, created })
+    }
+
+    /// Flips edges until every triangle's circle is free of its neighbours' apices, fixed edges excepted (C. L. Lawson, 1977).
+    pub fn make_delaunay(&mut self, points: &[DVec3], fixed: impl Fn([u32; 2]) -> bool) {
+        let mut queue: Vec<[u32; 2]> = self.apex.keys().copied().filter(|[a, b]| a < b).collect();
+        queue.sort_unstable();
+        // Exactly planar facets need at most a flip an edge pair; rounding elsewhere must not keep this going for ever.
+        let mut budget = 64 + queue.len() * queue.len().min(4096);
+        while let Some([a, b]) = queue.pop() {
+            let (Some(&c), Some(&d)) = (self.apex.get(&[a, b]), self.apex.get(&[b, a])) else { continue };
+            if budget == 0 || fixed([a, b]) || !self.in_circle([a, b, c], points[d as usize], points) {
+                continue;
+            }
+            let at = |v: u32| points[v as usize];
+            if !self.counterclockwise(at(c), at(d), at(b)) || !self.counterclockwise(at(d), at(c), at(a)) {
+                continue;
+            }
+            budget -= 1;
+            self.remove([a, b, c]);
+            self.remove([b, a, d]);
+            self.add([c, d, b]);
+            self.add([d, c, a]);
+            queue.extend([[a, d], [d, b], [b, c], [c, a]]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> (Vec<DVec3>, FacetTriangulation) {
+        let points: Vec<DVec3> = [[0., 0., 3.], [4., 0., 3.], [4., 4., 3.], [0., 4., 3.]].map(DVec3::from).to_vec();
+        let facet = FacetTriangulation::new(&[[0, 1, 2], [0, 3, 2]], DVec3::NEG_Z, 7, &points);
+        (points, facet)
+    }
+
+    #[test]
+    fn inserting_inside_and_on_the_border() {
+        let (mut points, mut facet) = square();
+        let border = |[a, b]: [u32; 2]| a < 4 && b < 4 && (a + b) % 2 == 1;
+        points.push(DVec3::new(2.0, 1.0, 3.0));
+        let start = facet.triangle([1, 2, 0]).unwrap();
+        let change = facet.insert(4, &[start], None, &points, border).unwrap();
+        assert_eq!((change.removed.len(), change.created.len()), (2, 4));
+        points.push(DVec3::new(2.0, 0.0, 3.0));
+        let start: Vec<_> = facet.at_edge([0, 1]).collect();
+        let change = facet.insert(5, &start, Some([0, 1]), &points, border).unwrap();
+        assert_eq!(facet.triangles().len(), 5);
+        assert!(change.created.iter().all(|t| t.contains(&5)));
+        assert!(facet.at_edge([0, 1]).next().is_none());
+        assert_eq!(facet.at_edge([0, 5]).count(), 1);
+    }
+
+    #[test]
+    fn points_beyond_a_fixed_edge_are_refused() {
+        let (mut points, mut facet) = square();
+        points.push(DVec3::new(2.0, -0.1, 3.0));
+        let before = facet.triangles();
+        let start = facet.triangle([0, 1, 2]).unwrap();
+        assert!(facet.insert(4, &[start], None, &points, |_| true).is_none());
+        assert_eq!(facet.triangles(), before);
+    }
+
+    #[test]
+    fn flips_make_it_delaunay() {
+        let points: Vec<DVec3> = [[0., 0., 0.], [4., -1., 0.], [8., 0., 0.], [4., 1., 0.]].map(DVec3::from).to_vec();
+        let mut facet = FacetTriangulation::new(&[[0, 1, 2], [0, 2, 3]], DVec3::Z, 0, &points);
+        facet.make_delaunay(&points, |_| false);
+        assert_eq!(facet.triangles(), [[0, 1, 3], [1, 2, 3]]);
+    }
+}

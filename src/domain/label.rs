@@ -1,0 +1,68 @@
+//! Which tetrahedra lie in the domain: a flood that subfacets stop, from outside, from hole seeds and from region seeds.
+
+use super::boundary::Boundary;
+use super::plc::PlcRegion;
+use crate::triangulation::topology::tet_of;
+use crate::triangulation::{Location, Triangulation};
+use crate::DVec3;
+
+/// The label of tetrahedra outside the domain, ghosts included.
+pub const OUTSIDE: u16 = 0;
+/// The label of tetrahedra in no region of the caller's; region `i` has label `i + 2`.
+pub const INSIDE: u16 = 1;
+
+impl Boundary {
+    /// Labels all tetrahedra. The subfacets must all be faces of the triangulation.
+    pub(crate) fn label(&self, t: &mut Triangulation, holes: &[DVec3], regions: &[PlcRegion]) {
+        const UNKNOWN: u16 = u16::MAX;
+        let mut labels = vec![UNKNOWN; t.topology.tets.len()];
+        let mut flood = |seeds: Vec<u32>, label: u16| {
+            let mut queue = seeds;
+            while let Some(tet) = queue.pop() {
+                if labels[tet as usize] != UNKNOWN {
+                    continue;
+                }
+                labels[tet as usize] = label;
+                for slot in 0..4 {
+                    let next = tet_of(t.topology.tet(tet).n[slot]);
+                    if labels[next as usize] == UNKNOWN && !self.is_subfacet(t.topology.tet(tet).face(slot)) {
+                        queue.push(next);
+                    }
+                }
+            }
+        };
+        let ghosts = t.topology.live().filter(|&g| t.topology.tet(g).is_ghost()).collect();
+        flood(ghosts, OUTSIDE);
+        for &hole in holes {
+            flood(t.tetrahedra_at(hole), OUTSIDE);
+        }
+        for (i, region) in regions.iter().enumerate() {
+            flood(t.tetrahedra_at(region.point), u16::try_from(i + 2).unwrap_or(UNKNOWN - 1).min(UNKNOWN - 1));
+        }
+        for label in &mut labels {
+            if *label == UNKNOWN {
+                *label = INSIDE;
+            }
+        }
+        t.topology.region = labels;
+    }
+}
+
+impl Triangulation {
+    /// A tetrahedron that holds the point, none when it is outside the hull.
+    fn tetrahedra_at(&self, p: DVec3) -> Vec<u32> {
+        let vertices = match self.locate(p, None) {
+            Location::Outside => return Vec::new(),
+            Location::Vertex(v) => vec![v],
+            Location::Edge(e) => e.to_vec(),
+            Location::Face(f) => f.to_vec(),
+            Location::Tetrahedron(t) => t.to_vec(),
+        };
+        let star = self.topology.star(vertices[0]);
+        let holds = |&&t: &&u32| {
+            let tet = self.topology.tet(t);
+            !tet.is_ghost() && vertices.iter().all(|v| tet.v.contains(v))
+        };
+        star.iter().find(holds).copied().into_iter().collect()
+    }
+}

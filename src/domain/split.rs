@@ -1,0 +1,126 @@
+//! How the boundary's own bookkeeping changes when a subsegment or subfacet is split.
+
+use glam::DVec3;
+
+use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
+use super::facet::FacetChange;
+use crate::triangulation::topology::{tet_of, GHOST};
+use crate::triangulation::Triangulation;
+
+impl Boundary {
+    /// Where to split a subsegment: in the middle; with one acute end at the power of two from that end nearest to it, so that
+    /// all segments there are cut on common shells.
+    pub(crate) fn split_point(&self, t: &Triangulation, [a, b]: [u32; 2]) -> DVec3 {
+        let (p, q) = (t.at(a), t.at(b));
+        let acute = |v: u32| self.kind(v) & ACUTE != 0;
+        let (center, other) = match (acute(a), acute(b)) {
+            (true, false) => (p, q),
+            (false, true) => (q, p),
+            _ => return 0.5 * p + 0.5 * q,
+        };
+        let length = center.distance(other);
+        // Between a third and two thirds of the length.
+        let radius = (length * 2.0 / 3.0).log2().floor().exp2();
+        center + (other - center) * (radius / length)
+    }
+
+    /// Replaces subsegment `edge` by its two parts at vertex `new`, in its facets too, and queues what of the new elements is
+    /// missing or encroached. `star` are the tetrahedra at `new`.
+    pub(crate) fn replace_segment(&mut self, t: &mut Triangulation, edge: [u32; 2], new: u32, star: &[u32]) {
+        let key = edge_key(edge);
+        let Some(segment) = self.subsegments.remove(&key) else { return };
+        let [a, b] = key;
+        let parts = [edge_key([a, new]), edge_key([new, b])];
+        for part in parts {
+            self.subsegments.entry(part).or_insert(segment);
+        }
+        self.mark(new, ON_SEGMENT);
+        let mut created = Vec::new();
+        for facet in self.segments[segment as usize].facets.clone() {
+            let planar = &mut self.facets[facet as usize];
+            let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
+            let subsegments = &self.subsegments;
+            let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
+            // A vertex of the facet already, or one that rounding hides from it: then the facet keeps its triangles at the old edge,
+            // which are found missing and split in their turn.
+            if let Some(change) = planar.insert(new, &start, Some(key), t.points(), fixed) {
+                created.extend_from_slice(&change.created);
+                self.replace_subfacets(facet, new, &change);
+                t.relabel_flat(new, &change.removed, star);
+            }
+        }
+        self.enqueue_new(t, new, star, &parts, &created);
+    }
+
+    /// Inserts the vertex `new` at `p`, which is not stored yet, into the planar triangulation of subfacet `face`. `None` when it can't be.
+    pub(crate) fn insert_on_facet(
+        &mut self,
+        t: &mut Triangulation,
+        face: [u32; 3],
+        new: u32,
+        p: DVec3,
+    ) -> Option<(u32, FacetChange)> {
+        let facet = *self.subfacets.get(&face_key(face))?;
+        let planar = &mut self.facets[facet as usize];
+        let start = planar.triangle(face)?;
+        let subsegments = &self.subsegments;
+        let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
+        t.with_point(p, |points| planar.insert(new, &[start], None, points, fixed)).map(|change| (facet, change))
+    }
+
+    /// Takes over what [`insert_on_facet`](Self::insert_on_facet) changed, once the vertex is in the triangulation.
+    pub(crate) fn facet_changed(
+        &mut self,
+        t: &Triangulation,
+        new: u32,
+        facet: u32,
+        change: &FacetChange,
+        star: &[u32],
+    ) {
+        self.replace_subfacets(facet, new, change);
+        self.enqueue_new(t, new, star, &[], &change.created);
+    }
+
+    fn replace_subfacets(&mut self, facet: u32, new: u32, change: &FacetChange) {
+        for &face in &change.removed {
+            self.subfacets.remove(&face_key(face));
+        }
+        for &face in &change.created {
+            self.subfacets.insert(face_key(face), facet);
+        }
+        self.mark(new, ON_FACET);
+    }
+}
+
+impl Triangulation {
+    /// Calls `f` with the points and one more behind them.
+    pub(crate) fn with_point<R>(&mut self, p: DVec3, f: impl FnOnce(&[DVec3]) -> R) -> R {
+        self.push_point(p);
+        let result = f(self.points());
+        self.pop_point();
+        result
+    }
+
+    /// A tetrahedron with this face, finite if there is one.
+    pub(crate) fn face_tetrahedron(&self, [a, b, c]: [u32; 3]) -> Option<u32> {
+        let (t, i, j) = self.topology.find_edge(a, b)?;
+        let with_c = self.topology.around_edge(t, i, j).find(|&(t, _, _)| self.topology.tet(t).slot(c).is_some());
+        with_c.map(|(t, _, _)| self.finite_at(t))
+    }
+
+    /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now
+    /// lies beside the facet, and the flat tetrahedron between them has come to the other side of it.
+    pub(crate) fn relabel_flat(&mut self, new: u32, removed: &[[u32; 3]], star: &[u32]) {
+        if self.topology.region.is_empty() {
+            return;
+        }
+        for &t in star {
+            let tet = *self.topology.tet(t);
+            let Some(slot) = tet.slot(new) else { continue };
+            let face = tet.face(slot);
+            if !face.contains(&GHOST) && removed.iter().any(|&r| face_key(r) == face_key(face)) {
+                self.topology.region[t as usize] = self.topology.region[tet_of(tet.n[slot]) as usize];
+            }
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Algorithm 2: while a tetrahedron is bad, the boundary rules first, then a Steiner batch for the shortest edge of the bad tetrahedron whose
+//! shortest edge is shortest.
+//!
+//! Deviation: the paper leaves open what happens to a batch of which one sample meets the boundary. Here the samples before it stay,
+//! the boundary element is split, and the tetrahedron, if it still exists, comes again.
+
+use glam::DVec3;
+
+use super::queue::{shortest_edge, Queue};
+use super::split::Split;
+use super::{RefineOptions, RefineStatus};
+use crate::domain::boundary::{Boundary, Encroached};
+use crate::domain::label::OUTSIDE;
+use crate::geometry::flush_tiny;
+use crate::geometry::quality::exceeds_radius_edge;
+use crate::sampler::facet::{Arc, VoronoiFacet};
+use crate::sampler::{sample_circumcenter, sample_component, Rule, Samples};
+use crate::triangulation::cavity::Cavity;
+use crate::triangulation::Triangulation;
+use crate::{Control, Error};
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placed {
+    /// It is a vertex now.
+    Inserted(u32),
+    /// It would encroach upon boundary elements, which have been queued.
+    Encroaches,
+    /// It would make an edge shorter than the limit, or encroaches upon elements that can't be split.
+    Refused,
+}
+
+/// One refinement under way.
+pub struct Refiner<'a> {
+    pub(super) t: &'a mut Triangulation,
+    pub(super) boundary: &'a mut Boundary,
+    radius_edge: f64,
+    rule: Rule,
+    max_vertices: usize,
+    pub(super) min_edge: f64,
+    pub(super) cavity: Cavity,
+    pub(super) encroached: Encroached,
+    queue: Queue,
+    facet: VoronoiFacet,
+    arcs: Vec<Arc>,
+    link: Vec<u32>,
+    /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
+    watching: bool,
+    refused: bool,
+    pub samples: usize,
+    pub segment_splits: usize,
+    pub facet_splits: usize,
+}
+
+/// Turns of the loop between two progress reports.
+const REPORT_INTERVAL: usize = 256;
+
+impl<'a> Refiner<'a> {
+    pub fn new(t: &'a mut Triangulation, boundary: &'a mut Boundary, options: &RefineOptions) -> Refiner<'a> {
+        let (low, high) = t.bounding_box();
+        let default = (high - low).length() * (1.0 / (1u64 << 40) as f64);
+        Refiner {
+            t,
+            boundary,
+            radius_edge: options.radius_edge,
+            rule: options.rule,
+            max_vertices: options.max_vertices,
+            min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
+            cavity: Cavity::default(),
+            encroached: Encroached::default(),
+            queue: Queue::default(),
+            facet: VoronoiFacet::default(),
+            arcs: Vec::new(),
+            link: Vec::new(),
+            watching: false,
+            refused: false,
+            samples: 0,
+            segment_splits: 0,
+            facet_splits: 0,
+        }
+    }
+
+    /// Rules 1 and 2 until nothing is missing or encroached. The status is [`RefineStatus::Done`] unless a limit stopped it.
+    pub fn recover(&mut self, control: &Control) -> Result<RefineStatus, Error> {
+        let mut turns = 0usize;
+        loop {
+            if let Some(status) = self.limit(&mut turns, "boundary", control) {
+                return Ok(status);
+            }
+            if !self.boundary_step()? {
+                return Ok(RefineStatus::Done);
+            }
+        }
+    }
+
+    /// The whole loop.
+    pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
+        self.watching = true;
+        let all: Vec<u32> = self.t.topology.finite().collect();
+        for t in all {
+            self.watch(t);
+        }
+        let mut turns = 0usize;
+        loop {
+            if let Some(status) = self.limit(&mut turns, "refine", control) {
+                return Ok(status);
+            }
+            if self.boundary_step()? {
+                continue;
+            }
+            let Some(t) = self.queue.pop(self.t) else { break };
+            self.mend(t)?;
+        }
+        Ok(if self.refused { RefineStatus::MinEdge } else { RefineStatus::Done })
+    }
+
+    fn limit(&self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
+        let vertices = self.t.vertex_count();
+        let open = self.queue.len() + self.boundary.pending_segments.len() + self.boundary.pending_facets.len();
+        let go_on = if *turns % REPORT_INTERVAL == 0 {
+            control.report(stage, vertices as f64 / (vertices + open) as f64, vertices)
+        } else {
+            control.poll()
+        };
+        *turns += 1;
+        if !go_on {
+            return Some(RefineStatus::Cancelled);
+        }
+        let work_left = open > 0;
+        (vertices >= self.max_vertices && work_left).then_some(RefineStatus::VertexLimit)
+    }
+
+    /// Splits one boundary element if any waits. Returns false when none does.
+    pub fn boundary_step(&mut self) -> Result<bool, Error> {
+        if let Some(edge) = self.boundary.pop_segment() {
+            self.split_segment(edge)?;
+            return Ok(true);
+        }
+        if let Some(face) = self.boundary.pop_facet() {
+            let split = self.split_facet(face)?;
+            debug_assert!(split != Split::Deferred || !self.boundary.pending_segments.is_empty());
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// One step for a bad tetrahedron: samples its shortest edge.
+    fn mend(&mut self, tet: u32) -> Result<(), Error> {
+        let v = self.t.topology.tet(tet).v;
+        let samples = self.sample(tet);
+        let mut placed_any = false;
+        for &p in &samples.points {
+            if self.t.vertex_count() >= self.max_vertices {
+                break;
+            }
+            match self.place(p, tet)? {
+                Placed::Inserted(_) => {
+                    self.samples += 1;
+                    placed_any = true;
+                }
+                Placed::Encroaches => {
+                    placed_any = true;
+                    break;
+                }
+                Placed::Refused => {}
+            }
+        }
+        if self.t.topology.tet(tet).v == v {
+            if placed_any || self.t.vertex_count() >= self.max_vertices {
+                self.queue.push(self.t, tet);
+            } else {
+                self.refused = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// The samples for a bad tetrahedron.
+    fn sample(&mut self, tet: u32) -> Samples {
+        if self.rule == Rule::Paper {
+            let ([i, j], _) = shortest_edge(self.t, tet);
+            let closed = self.t.link_of(tet, i, j, &mut self.link);
+            let v = self.t.topology.tet(tet).v;
+            let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));
+            let t = &*self.t;
+            self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
+            if let Some(samples) = sample_component(&self.facet, &mut self.arcs, self.radius_edge) {
+                return samples;
+            }
+        }
+        sample_circumcenter(self.t.corners(tet))
+    }
+
+    /// Rule 3: inserts a sample unless it would encroach upon the boundary. `near` is a tetrahedron to look for it from.
+    pub fn place(&mut self, p: DVec3, near: u32) -> Result<Placed, Error> {
+        let p = flush_tiny(p);
+        let start = if self.t.topology.tet(near).is_live() { near } else { self.t.recent() };
+        if crate::geometry::check_range(0, p).is_err() || self.t.prepare(p, start, &mut self.cavity).is_err() {
+            self.cavity.clear();
+            return Ok(Placed::Refused);
+        }
+        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        if !self.encroached.is_empty() {
+            self.cavity.clear();
+            self.boundary.drop_blocked(&mut self.encroached);
+            if !self.encroached.segments.is_empty() {
+                self.encroached.facets.clear();
+            }
+            self.boundary.enqueue(&self.encroached);
+            return Ok(if self.encroached.is_empty() { Placed::Refused } else { Placed::Encroaches });
+        }
+        if self.rim_distance(p) < self.min_edge {
+            self.cavity.clear();
+            return Ok(Placed::Refused);
+        }
+        let new = self.insert_prepared(p)?;
+        self.finish(new);
+        Ok(Placed::Inserted(new))
+    }
+
+    pub(super) fn insert_prepared(&mut self, p: DVec3) -> Result<u32, Error> {
+        self.t.insert_into(p, &mut self.cavity)
+    }
+
+    /// Looks at the tetrahedra that the last insertion created.
+    pub(super) fn finish(&mut self, _new: u32) {
+        if self.watching {
+            for i in 0..self.cavity.created.len() {
+                self.watch(self.cavity.created[i]);
+            }
+        }
+    }
+
+    /// Queues a tetrahedron that is in the domain and bad.
+    fn watch(&mut self, t: u32) {
+        let outside = self.t.topology.region.get(t as usize).is_some_and(|&label| label == OUTSIDE);
+        if !outside && !self.t.topology.tet(t).is_ghost() && exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
+            self.queue.push(self.t, t);
+        }
+    }
+}

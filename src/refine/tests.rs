@@ -1,0 +1,181 @@
+use super::*;
+use crate::{Control, DVec3, Mesh, Plc};
+
+/// A value-stable source of numbers in [0, 1).
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+fn random_box(count: usize, seed: u64) -> Plc {
+    let mut next = numbers(seed);
+    let mut point = || DVec3::new(next(), next(), next()) * 2.0 - 1.0;
+    Plc::boxed(DVec3::splat(-1.5), DVec3::splat(1.5), (0..count).map(|_| point()).collect::<Vec<_>>())
+}
+
+fn volume(mesh: &Mesh) -> f64 {
+    let view = mesh.view();
+    let six = |t: &[u32; 4]| {
+        let [a, b, c, d] = t.map(|v| view.points[v as usize]);
+        (b - a).cross(c - a).dot(d - a)
+    };
+    view.tetrahedra.iter().map(six).sum::<f64>() / 6.0
+}
+
+fn check(mesh: &Mesh, beta: f64, expected_volume: f64) {
+    mesh.validate(3).unwrap();
+    mesh.validate_quality(beta).unwrap();
+    assert!((volume(mesh) / expected_volume - 1.0).abs() < 1e-9, "{}", volume(mesh));
+}
+
+#[test]
+fn boxes_are_refined_by_both_rules() {
+    for rule in [Rule::Paper, Rule::Circumcenter] {
+        for beta in [1.5, 2.0, 4.0] {
+            for count in [0, 1, 2, 50] {
+                let mut mesh = Mesh::from_plc(&random_box(count, 7), &Control::new()).unwrap();
+                let options = RefineOptions { radius_edge: beta, rule, ..RefineOptions::default() };
+                let report = mesh.refine(&options, &Control::new()).unwrap();
+                assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+                assert_eq!(report.input_vertices, 8 + count);
+                assert!(report.worst_radius_edge <= beta * (1.0 + 1e-12));
+                check(&mesh, beta, 27.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn small_features_grade_up_to_the_box() {
+    let points = [DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
+    let half = 50_000.0;
+    for rule in [Rule::Paper, Rule::Circumcenter] {
+        let plc = Plc::boxed(DVec3::splat(-half), DVec3::splat(half), points);
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let options = RefineOptions { radius_edge: 2.0, rule, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!(report.bad, 0);
+        check(&mesh, 2.0, 1e15);
+    }
+}
+
+#[test]
+fn stepping_reaches_the_bound_too() {
+    let mut mesh = Mesh::from_plc(&random_box(30, 3), &Control::new()).unwrap();
+    let options = step::StepOptions { radius_edge: 2.0, rule: Rule::Paper };
+    let mut steps = 0;
+    while let Some(&edge) = mesh.bad_short_edges(2.0).unwrap().first() {
+        let batch = mesh.steiner_batch(edge, &options).unwrap();
+        assert!(!batch.points.is_empty());
+        mesh.insert_batch(&batch).unwrap();
+        steps += 1;
+        assert!(steps < 5000);
+    }
+    check(&mesh, 2.0, 27.0);
+    assert!(steps > 10);
+}
+
+#[test]
+fn limits_stop_with_a_valid_mesh() {
+    let plc = random_box(200, 5);
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    let options = RefineOptions { radius_edge: 1.5, max_vertices: 300, ..RefineOptions::default() };
+    let report = mesh.refine(&options, &Control::new()).unwrap();
+    assert_eq!((report.status, report.vertices), (RefineStatus::VertexLimit, 300));
+    assert!(report.bad > 0);
+    mesh.validate(3).unwrap();
+
+    let control = Control::with_progress(|p| p.vertices < 400);
+    let report = mesh.refine(&RefineOptions { radius_edge: 1.5, ..RefineOptions::default() }, &control).unwrap();
+    assert_eq!(report.status, RefineStatus::Cancelled);
+    mesh.validate(3).unwrap();
+
+    // And on from there to the end.
+    let report = mesh.refine(&RefineOptions { radius_edge: 1.5, ..RefineOptions::default() }, &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    check(&mesh, 1.5, 27.0);
+}
+
+#[test]
+fn a_minimum_edge_length_leaves_tetrahedra_bad_but_ends() {
+    let mut mesh = Mesh::from_plc(&random_box(100, 9), &Control::new()).unwrap();
+    let options = RefineOptions { radius_edge: 0.7, min_edge: 0.2, ..RefineOptions::default() };
+    let report = mesh.refine(&options, &Control::new()).unwrap();
+    assert_eq!(report.status, RefineStatus::MinEdge);
+    assert!(report.bad > 0);
+    mesh.validate(3).unwrap();
+    let points = mesh.view().points;
+    for &p in &points[report.input_vertices..] {
+        assert!(points.iter().all(|&q| q == p || q.distance(p) >= 0.2));
+    }
+}
+
+#[test]
+fn the_hull_is_the_domain_of_bare_points() {
+    let mut next = numbers(11);
+    let points: Vec<DVec3> = (0..200).map(|_| DVec3::new(next(), next(), next())).collect();
+    let mut mesh = Mesh::new();
+    mesh.insert(&points, None, &Control::new()).unwrap();
+    let before = volume(&mesh);
+    let options = RefineOptions { radius_edge: 2.0, max_vertices: 200_000, ..RefineOptions::default() };
+    let report = mesh.refine(&options, &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    check(&mesh, 2.0, before);
+}
+
+#[test]
+fn a_turned_box_keeps_its_facets() {
+    // Its corners and Steiner points lie on no plane exactly.
+    let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
+    let mut plc = random_box(40, 13);
+    for p in &mut plc.points {
+        *p = turn * *p + DVec3::new(0.1, 0.2, 0.3);
+    }
+    for rule in [Rule::Paper, Rule::Circumcenter] {
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let options = RefineOptions { radius_edge: 2.0, rule, max_vertices: 20_000, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+        check(&mesh, 2.0, 27.0);
+    }
+}
+
+#[test]
+fn degenerate_meshes_are_done_at_once() {
+    for count in 0..4 {
+        let mut mesh = Mesh::new();
+        let points: Vec<DVec3> = (0..count).map(|i| DVec3::new(i as f64, (i * i) as f64, 0.0)).collect();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+        assert_eq!((report.status, report.tetrahedra, report.vertices), (RefineStatus::Done, 0, count));
+    }
+}
+
+#[test]
+fn points_on_the_boundary_belong_to_it() {
+    // Points in the middle of a facet, on an edge, and duplicated corners.
+    let extra =
+        [[1.5, 0.1, 0.2], [1.5, 1.5, 0.3], [1.5, 1.5, 1.5], [0.0, -1.5, 0.0], [0.2, -1.5, 0.1]].map(DVec3::from);
+    let mut mesh = Mesh::from_plc(&Plc::boxed(DVec3::splat(-1.5), DVec3::splat(1.5), extra), &Control::new()).unwrap();
+    assert_eq!(mesh.input_vertex_count(), 12);
+    let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    check(&mesh, 2.0, 27.0);
+}
+
+#[test]
+fn wrong_options_are_refused() {
+    let mut mesh = Mesh::new();
+    for radius_edge in [f64::NAN, 0.5, -1.0, f64::INFINITY] {
+        let options = RefineOptions { radius_edge, ..RefineOptions::default() };
+        assert!(matches!(
+            mesh.refine(&options, &Control::new()),
+            Err(Error::InvalidOption { name: "radius_edge", .. })
+        ));
+    }
+    let options = RefineOptions { min_edge: f64::NAN, ..RefineOptions::default() };
+    assert!(matches!(mesh.refine(&options, &Control::new()), Err(Error::InvalidOption { name: "min_edge", .. })));
+}
