@@ -4,7 +4,6 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use crate::domain::label::OUTSIDE;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
@@ -214,11 +213,7 @@ impl Mesh {
 
     /// The tetrahedra of the domain.
     pub(crate) fn inside(&self) -> impl Iterator<Item = u32> + '_ {
-        self.t.topology.finite().filter(|&t| self.is_inside(t))
-    }
-
-    fn is_inside(&self, t: u32) -> bool {
-        !self.t.topology.tet(t).is_ghost() && self.t.topology.region.get(t as usize) != Some(&OUTSIDE)
+        self.t.topology.finite().filter(|&t| self.t.is_inside(t))
     }
 
     /// Checks the invariants up to a level: 1 topology, 2 orientation, 3 the Delaunay property and that all subsegments and subfacets

@@ -81,7 +81,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    pub(super) fn kind(&self, v: u32) -> u8 {
+    pub(crate) fn kind(&self, v: u32) -> u8 {
         self.kinds.get(v as usize).copied().unwrap_or(0)
     }
 
@@ -104,6 +104,11 @@ impl Boundary {
         let mut all: Vec<_> = self.subfacets.iter().map(|(&k, &f)| (k, f)).collect();
         all.sort_unstable();
         all
+    }
+
+    /// Whether it bounds nothing.
+    pub fn is_empty(&self) -> bool {
+        self.subsegments.is_empty() && self.subfacets.is_empty()
     }
 
     /// The input segments.

@@ -29,6 +29,19 @@ pub struct FacetTriangulation {
     apex: FxHashMap<[u32; 2], u32>,
 }
 
+/// What the triangulation in space says of a facet's triangle when a point is inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InSpace {
+    /// It is a face, and both tetrahedra at it go: it goes.
+    BothGo,
+    /// It is a face, and one of them goes: rounding put the point beside the facet's plane. The circle decides.
+    OneGoes,
+    /// It is a face and stays.
+    Stays,
+    /// It is no face (yet): the circle decides.
+    Missing,
+}
+
 /// What an insertion changed.
 #[derive(Clone, Debug, Default)]
 pub struct FacetChange {
@@ -127,6 +140,9 @@ impl FacetTriangulation {
     /// Inserts the vertex `new` at `points[new]`, which lies in the circumcircle of `start`, or on a fixed edge of it, which then is
     /// split. No other fixed edge is crossed. `None`, with nothing changed, when the point can't be
     /// seen from its cavity: it lies beyond a fixed edge, or rounding put it on the wrong side of one.
+    ///
+    /// `in_space` keeps the facet in step with the triangulation in space: for points exactly in the plane the circle would always say
+    /// the same, but not where rounding decides about cocircular points.
     pub fn insert(
         &mut self,
         new: u32,
@@ -134,6 +150,7 @@ impl FacetTriangulation {
         split: Option<[u32; 2]>,
         points: &[DVec3],
         fixed: impl Fn([u32; 2]) -> bool,
+        in_space: impl Fn([u32; 3]) -> InSpace,
     ) -> Option<FacetChange> {
         let p = points[new as usize];
         self.filter.extend(p);
@@ -148,7 +165,12 @@ impl FacetTriangulation {
                 let Some(&c) = self.apex.get(&[b, a]) else { continue };
                 let triangle = [b, a, c];
                 let known = removed.iter().any(|&t| rotate_lowest(t) == rotate_lowest(triangle));
-                if !known && self.in_circle(triangle, p, points) {
+                let goes = || match in_space(triangle) {
+                    InSpace::BothGo => true,
+                    InSpace::Stays => false,
+                    InSpace::OneGoes | InSpace::Missing => self.in_circle(triangle, p, points),
+                };
+                if !known && goes() {
                     removed.push(triangle);
                 }
             }
@@ -225,11 +247,11 @@ mod tests {
         let border = |[a, b]: [u32; 2]| a < 4 && b < 4 && (a + b) % 2 == 1;
         points.push(DVec3::new(2.0, 1.0, 3.0));
         let start = facet.triangle([1, 2, 0]).unwrap();
-        let change = facet.insert(4, &[start], None, &points, border).unwrap();
+        let change = facet.insert(4, &[start], None, &points, border, |_| InSpace::Missing).unwrap();
         assert_eq!((change.removed.len(), change.created.len()), (2, 4));
         points.push(DVec3::new(2.0, 0.0, 3.0));
         let start: Vec<_> = facet.at_edge([0, 1]).collect();
-        let change = facet.insert(5, &start, Some([0, 1]), &points, border).unwrap();
+        let change = facet.insert(5, &start, Some([0, 1]), &points, border, |_| InSpace::Missing).unwrap();
         assert_eq!(facet.triangles().len(), 5);
         assert!(change.created.iter().all(|t| t.contains(&5)));
         assert!(facet.at_edge([0, 1]).next().is_none());
@@ -242,7 +264,7 @@ mod tests {
         points.push(DVec3::new(2.0, -0.1, 3.0));
         let before = facet.triangles();
         let start = facet.triangle([0, 1, 2]).unwrap();
-        assert!(facet.insert(4, &[start], None, &points, |_| true).is_none());
+        assert!(facet.insert(4, &[start], None, &points, |_| true, |_| InSpace::Missing).is_none());
         assert_eq!(facet.triangles(), before);
     }
 

@@ -7,6 +7,7 @@
 //! | `build` | from complex, or hull, to boundary |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
+//! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
@@ -17,6 +18,7 @@ mod build;
 pub mod facet;
 pub(crate) mod label;
 pub mod plc;
+mod sector;
 mod split;
 
 pub use boundary::Boundary;

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
-use super::facet::FacetChange;
+use super::facet::{FacetChange, InSpace};
+use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{tet_of, GHOST};
 use crate::triangulation::Triangulation;
 
@@ -24,38 +25,64 @@ impl Boundary {
         center + (other - center) * (radius / length)
     }
 
-    /// Replaces subsegment `edge` by its two parts at vertex `new`, in its facets too, and queues what of the new elements is
-    /// missing or encroached. `star` are the tetrahedra at `new`.
-    pub(crate) fn replace_segment(&mut self, t: &mut Triangulation, edge: [u32; 2], new: u32, star: &[u32]) {
+    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulations at subsegment `edge`, which it splits.
+    /// `cavity` is that of `p`.
+    pub(crate) fn insert_on_segment(
+        &mut self,
+        t: &mut Triangulation,
+        cavity: &Cavity,
+        edge: [u32; 2],
+        new: u32,
+        p: DVec3,
+    ) -> Vec<(u32, FacetChange)> {
+        let key = edge_key(edge);
+        let Some(&segment) = self.subsegments.get(&key) else { return Vec::new() };
+        let subsegments = &self.subsegments;
+        let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
+        let mut changes = Vec::new();
+        for &facet in &self.segments[segment as usize].facets {
+            let planar = &mut self.facets[facet as usize];
+            let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
+            // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
+            // which are found missing and split in their turn.
+            let change = t.with_point(p, |t| {
+                planar.insert(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
+            });
+            changes.extend(change.map(|change| (facet, change)));
+        }
+        changes
+    }
+
+    /// Replaces subsegment `edge` by its two parts at vertex `new`, takes over what
+    /// [`insert_on_segment`](Self::insert_on_segment) changed, and queues what of the new elements is missing or encroached.
+    /// `star` are the tetrahedra at `new`.
+    pub(crate) fn segment_changed(
+        &mut self,
+        t: &mut Triangulation,
+        edge: [u32; 2],
+        new: u32,
+        changes: &[(u32, FacetChange)],
+        star: &[u32],
+    ) {
         let key = edge_key(edge);
         let Some(segment) = self.subsegments.remove(&key) else { return };
-        let [a, b] = key;
-        let parts = [edge_key([a, new]), edge_key([new, b])];
+        let parts = key.map(|end| edge_key([end, new]));
         for part in parts {
             self.subsegments.entry(part).or_insert(segment);
         }
         self.mark(new, ON_SEGMENT);
-        let mut created = Vec::new();
-        for facet in self.segments[segment as usize].facets.clone() {
-            let planar = &mut self.facets[facet as usize];
-            let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
-            let subsegments = &self.subsegments;
-            let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-            // A vertex of the facet already, or one that rounding hides from it: then the facet keeps its triangles at the old edge,
-            // which are found missing and split in their turn.
-            if let Some(change) = planar.insert(new, &start, Some(key), t.points(), fixed) {
-                created.extend_from_slice(&change.created);
-                self.replace_subfacets(facet, new, &change);
-                t.relabel_flat(new, &change.removed, star);
-            }
+        self.enqueue_new(t, new, star, &parts, &[]);
+        for (facet, change) in changes {
+            self.facet_changed(t, new, *facet, change, star);
         }
-        self.enqueue_new(t, new, star, &parts, &created);
     }
 
-    /// Inserts the vertex `new` at `p`, which is not stored yet, into the planar triangulation of subfacet `face`. `None` when it can't be.
+    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulation of subfacet `face`. `None` when it
+    /// can't be. `cavity` is that of `p`.
     pub(crate) fn insert_on_facet(
         &mut self,
         t: &mut Triangulation,
+        cavity: &Cavity,
         face: [u32; 3],
         new: u32,
         p: DVec3,
@@ -65,13 +92,14 @@ impl Boundary {
         let start = planar.triangle(face)?;
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(p, |points| planar.insert(new, &[start], None, points, fixed)).map(|change| (facet, change))
+        t.with_point(p, |t| planar.insert(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
+            .map(|change| (facet, change))
     }
 
-    /// Takes over what [`insert_on_facet`](Self::insert_on_facet) changed, once the vertex is in the triangulation.
+    /// Takes over what changed in a facet, once the vertex is in the triangulation.
     pub(crate) fn facet_changed(
         &mut self,
-        t: &Triangulation,
+        t: &mut Triangulation,
         new: u32,
         facet: u32,
         change: &FacetChange,
@@ -79,6 +107,7 @@ impl Boundary {
     ) {
         self.replace_subfacets(facet, new, change);
         self.enqueue_new(t, new, star, &[], &change.created);
+        t.relabel_flat(new, &change.removed, star);
     }
 
     fn replace_subfacets(&mut self, facet: u32, new: u32, change: &FacetChange) {
@@ -93,12 +122,27 @@ impl Boundary {
 }
 
 impl Triangulation {
-    /// Calls `f` with the points and one more behind them.
-    pub(crate) fn with_point<R>(&mut self, p: DVec3, f: impl FnOnce(&[DVec3]) -> R) -> R {
+    /// Calls `f` with one more point stored behind the others.
+    fn with_point<R>(&mut self, p: DVec3, f: impl FnOnce(&Triangulation) -> R) -> R {
         self.push_point(p);
-        let result = f(self.points());
+        let result = f(self);
         self.pop_point();
         result
+    }
+
+    /// What becomes of a face when a cavity is filled.
+    fn in_space(&self, cavity: &Cavity, [a, b, c]: [u32; 3]) -> InSpace {
+        let Some((t, i, j)) = self.topology.find_edge(a, b) else { return InSpace::Missing };
+        let face = self.topology.around_edge(t, i, j).find_map(|(t, k, l)| {
+            let tet = self.topology.tet(t);
+            (tet.v[l] == c).then_some((t, tet_of(tet.n[k])))
+        });
+        match face.map(|(t, u)| (cavity.contains(t), cavity.contains(u))) {
+            None => InSpace::Missing,
+            Some((true, true)) => InSpace::BothGo,
+            Some((false, false)) => InSpace::Stays,
+            Some(_) => InSpace::OneGoes,
+        }
     }
 
     /// A tetrahedron with this face, finite if there is one.
@@ -110,7 +154,7 @@ impl Triangulation {
 
     /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now
     /// lies beside the facet, and the flat tetrahedron between them has come to the other side of it.
-    pub(crate) fn relabel_flat(&mut self, new: u32, removed: &[[u32; 3]], star: &[u32]) {
+    fn relabel_flat(&mut self, new: u32, removed: &[[u32; 3]], star: &[u32]) {
         if self.topology.region.is_empty() {
             return;
         }

@@ -10,7 +10,6 @@ use super::queue::{shortest_edge, Queue};
 use super::split::Split;
 use super::{RefineOptions, RefineStatus};
 use crate::domain::boundary::{Boundary, Encroached};
-use crate::domain::label::OUTSIDE;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
@@ -179,7 +178,7 @@ impl<'a> Refiner<'a> {
     fn sample(&mut self, tet: u32) -> Samples {
         if self.rule == Rule::Paper {
             let ([i, j], _) = shortest_edge(self.t, tet);
-            let closed = self.t.link_of(tet, i, j, &mut self.link);
+            let closed = self.boundary.sector(self.t, tet, i, j, &mut self.link);
             let v = self.t.topology.tet(tet).v;
             let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));
             let t = &*self.t;
@@ -209,7 +208,9 @@ impl<'a> Refiner<'a> {
             self.boundary.enqueue(&self.encroached);
             return Ok(if self.encroached.is_empty() { Placed::Refused } else { Placed::Encroaches });
         }
-        if self.rim_distance(p) < self.min_edge {
+        // A point outside encroaches upon the boundary unless that can't be split any more.
+        let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
+        if leaves || self.rim_distance(p) < self.min_edge {
             self.cavity.clear();
             return Ok(Placed::Refused);
         }
@@ -233,8 +234,7 @@ impl<'a> Refiner<'a> {
 
     /// Queues a tetrahedron that is in the domain and bad.
     fn watch(&mut self, t: u32) {
-        let outside = self.t.topology.region.get(t as usize).is_some_and(|&label| label == OUTSIDE);
-        if !outside && !self.t.topology.tet(t).is_ghost() && exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
+        if self.t.is_inside(t) && exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
             self.queue.push(self.t, t);
         }
     }

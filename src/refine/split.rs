@@ -30,14 +30,19 @@ impl Refiner<'_> {
         match (blocked, self.t.prepare(p, start, &mut self.cavity)) {
             // A vertex that stands just there takes the new one's place, unless it is an end: then the segment is too short to split.
             (false, Err(existing)) if !edge.contains(&existing) => {
+                self.cavity.clear();
+                let p = self.t.at(existing);
+                let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, existing, p);
                 let star = self.t.topology.star(existing);
-                self.boundary.replace_segment(self.t, edge, existing, &star);
+                self.boundary.segment_changed(self.t, edge, existing, &changes, &star);
                 Ok(Split::Done(existing))
             }
             (false, Ok(())) => {
                 self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+                let next = self.t.vertex_count() as u32;
+                let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
                 let new = self.insert_prepared(p)?;
-                self.boundary.replace_segment(self.t, edge, new, &self.cavity.created);
+                self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
                 self.boundary.enqueue(&self.encroached);
                 self.finish(new);
                 self.segment_splits += 1;
@@ -74,14 +79,13 @@ impl Refiner<'_> {
         }
         // The planar triangulation first: it may refuse the point.
         let new = self.t.vertex_count() as u32;
-        let Some((facet, change)) = self.boundary.insert_on_facet(self.t, face, new, p) else {
+        let Some((facet, change)) = self.boundary.insert_on_facet(self.t, &self.cavity, face, new, p) else {
             return Ok(self.block_facet(face));
         };
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
         self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
         self.boundary.enqueue(&self.encroached);
-        self.t.relabel_flat(new, &change.removed, &self.cavity.created);
         self.finish(new);
         self.facet_splits += 1;
         Ok(Split::Done(new))

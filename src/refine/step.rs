@@ -84,7 +84,10 @@ impl Mesh {
     /// [`use_hull_as_domain`](Self::use_hull_as_domain) prevents that.
     pub fn steiner_batch(&self, edge: [u32; 2], options: &StepOptions) -> Result<Batch, Error> {
         check_radius_edge(options.radius_edge)?;
-        let (link, closed) = self.t.link(edge).ok_or(Error::NoSuchEdge { edge })?;
+        if edge[0] == edge[1] || edge.iter().any(|&v| v as usize >= self.t.vertex_count()) {
+            return Err(Error::NoSuchEdge { edge });
+        }
+        let (tet, i, j) = self.t.topology.find_edge(edge[0], edge[1]).ok_or(Error::NoSuchEdge { edge })?;
         let mut batch = Batch { edge: edge_key(edge), points: Vec::new(), span: 0.0, theta: 0.0 };
         if let Some(boundary) = self.boundary() {
             batch.points = self.pending_split(boundary).into_iter().collect();
@@ -93,10 +96,20 @@ impl Mesh {
             }
         }
         let [p, q] = edge.map(|v| self.t.at(v));
-        let link: Vec<DVec3> = link.into_iter().map(|v| self.t.at(v)).collect();
-        let Some(samples) = sample_edge(p, q, &link, closed, options.radius_edge, options.rule) else {
-            return Ok(batch);
-        };
+        // Each sector of the domain around the edge by itself: the first with something to mend.
+        let samples =
+            self.t.topology.around_edge(tet, i, j).filter(|&(t, _, _)| self.t.is_inside(t)).find_map(|(t, _, _)| {
+                let tet = self.t.topology.tet(t);
+                let (i, j) = (tet.slot(edge[0])?, tet.slot(edge[1])?);
+                let mut link = Vec::new();
+                let closed = match self.boundary() {
+                    Some(boundary) => boundary.sector(&self.t, t, i, j, &mut link),
+                    None => self.t.link_of(t, i, j, &mut link),
+                };
+                let link: Vec<DVec3> = link.into_iter().map(|v| self.t.at(v)).collect();
+                sample_edge(p, q, &link, closed, options.radius_edge, options.rule)
+            });
+        let Some(samples) = samples else { return Ok(batch) };
         if let Some(boundary) = self.boundary() {
             batch.points = self.splits_before(boundary, edge, &samples.points);
             if !batch.points.is_empty() {

@@ -64,7 +64,7 @@ fn small_features_grade_up_to_the_box() {
 
 #[test]
 fn stepping_reaches_the_bound_too() {
-    let mut mesh = Mesh::from_plc(&random_box(30, 3), &Control::new()).unwrap();
+    let mut mesh = Mesh::from_plc(&random_box(120, 3), &Control::new()).unwrap();
     let options = step::StepOptions { radius_edge: 2.0, rule: Rule::Paper };
     let mut steps = 0;
     while let Some(&edge) = mesh.bad_short_edges(2.0).unwrap().first() {
@@ -75,7 +75,7 @@ fn stepping_reaches_the_bound_too() {
         assert!(steps < 5000);
     }
     check(&mesh, 2.0, 27.0);
-    assert!(steps > 10);
+    assert!(steps > 3, "{steps}");
 }
 
 #[test]
