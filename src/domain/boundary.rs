@@ -72,6 +72,9 @@ pub struct Boundary {
     pub(super) subsegments: FxHashMap<[u32; 2], u32>,
     /// The facet of each subfacet.
     pub(super) subfacets: FxHashMap<[u32; 3], u32>,
+    /// Whether it is the hull of bare points. Then its own vertices encroach upon nothing: hull facets are never missing, and between
+    /// the slender facets of such a hull splits would call each other for ever.
+    pub(super) is_hull: bool,
     /// Encroached or missing subsegments, to be split; those that are gone by their turn are passed over.
     pub(crate) pending_segments: VecDeque<[u32; 2]>,
     pub(crate) pending_facets: VecDeque<[u32; 3]>,
@@ -183,6 +186,18 @@ impl Boundary {
         }
     }
 
+    /// Whether a vertex can encroach upon anything.
+    fn may_encroach(&self, v: u32) -> bool {
+        v != GHOST && !(self.is_hull && self.kind(v) != 0)
+    }
+
+    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon.
+    pub(crate) fn enqueue_for(&mut self, v: u32, found: &Encroached) {
+        if self.may_encroach(v) {
+            self.enqueue(found);
+        }
+    }
+
     fn waits_segment(&self, edge: [u32; 2]) -> bool {
         self.subsegments.contains_key(&edge) && !self.blocked_segments.contains(&edge)
     }
@@ -257,7 +272,7 @@ impl Boundary {
             None => true,
             Some((tet, i, j)) => t.topology.around_edge(tet, i, j).any(|(around, k, _)| {
                 let v = t.topology.tet(around).v[k];
-                v != GHOST && encroaches_segment([t.at(a), t.at(b)], t.at(v))
+                self.may_encroach(v) && encroaches_segment([t.at(a), t.at(b)], t.at(v))
             }),
         }
     }
@@ -267,7 +282,7 @@ impl Boundary {
         let mut apices = t.face_apices(face).peekable();
         apices.peek().is_none() || {
             let corners = face.map(|v| t.at(v));
-            apices.any(|v| v != GHOST && encroaches_facet(corners, t.at(v)))
+            apices.any(|v| self.may_encroach(v) && encroaches_facet(corners, t.at(v)))
         }
     }
 
@@ -292,14 +307,14 @@ impl Boundary {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
             let ends = edge.map(|v| t.at(v));
-            if around.is_empty() || around.iter().any(|&v| v != GHOST && encroaches_segment(ends, t.at(v))) {
+            if around.is_empty() || around.iter().any(|&v| self.may_encroach(v) && encroaches_segment(ends, t.at(v))) {
                 self.pending_segments.push_back(edge_key(edge));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
             let corners = face.map(|v| t.at(v));
-            if around.is_empty() || around.iter().any(|&v| v != GHOST && encroaches_facet(corners, t.at(v))) {
+            if around.is_empty() || around.iter().any(|&v| self.may_encroach(v) && encroaches_facet(corners, t.at(v))) {
                 self.pending_facets.push_back(face_key(face));
             }
         }

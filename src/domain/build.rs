@@ -90,7 +90,7 @@ impl Boundary {
 
     /// The hull as boundary: exactly coplanar hull facets are joined, the edges between others are segments.
     pub(crate) fn from_hull(t: &Triangulation) -> Boundary {
-        let mut boundary = Boundary::default();
+        let mut boundary = Boundary { is_hull: true, ..Boundary::default() };
         let ghosts: Vec<u32> = t.topology.live().filter(|&g| t.topology.tet(g).is_ghost()).collect();
         let mut facet_of: FxHashMap<u32, u32> = FxHashMap::default();
         for &seed in &ghosts {

@@ -115,15 +115,23 @@ fn a_minimum_edge_length_leaves_tetrahedra_bad_but_ends() {
 
 #[test]
 fn the_hull_is_the_domain_of_bare_points() {
-    let mut next = numbers(11);
-    let points: Vec<DVec3> = (0..200).map(|_| DVec3::new(next(), next(), next())).collect();
-    let mut mesh = Mesh::new();
-    mesh.insert(&points, None, &Control::new()).unwrap();
-    let before = volume(&mesh);
-    let options = RefineOptions { radius_edge: 2.0, max_vertices: 200_000, ..RefineOptions::default() };
-    let report = mesh.refine(&options, &Control::new()).unwrap();
-    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
-    check(&mesh, 2.0, before);
+    let cube: Vec<DVec3> = random_box(200, 11).points;
+    let octahedron =
+        [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z].map(|p| p * 3.0).into_iter();
+    let octahedron: Vec<DVec3> =
+        octahedron.chain(random_box(30, 5).points.into_iter().skip(8).map(|p| p * 0.5)).collect();
+    let tetrahedron = cube[..4].iter().map(|p| DVec3::new(p.x + p.y, p.y + p.z, p.z + p.x + 0.5 * p.x * p.y)).collect();
+    for points in [cube, octahedron, tetrahedron] {
+        for rule in [Rule::Paper, Rule::Circumcenter] {
+            let mut mesh = Mesh::new();
+            mesh.insert(&points, None, &Control::new()).unwrap();
+            let before = volume(&mesh);
+            let options = RefineOptions { radius_edge: 2.0, rule, max_vertices: 10_000, ..RefineOptions::default() };
+            let report = mesh.refine(&options, &Control::new()).unwrap();
+            assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+            check(&mesh, 2.0, before);
+        }
+    }
 }
 
 #[test]
