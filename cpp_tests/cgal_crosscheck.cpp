@@ -205,8 +205,14 @@ Domain box_of(const std::string& path) {
   DONE(wsp_plc_new(&raw));
   const Plc plc(raw);
   DONE(wsp_plc_add_points(plc.get(), poly.xyz.data(), poly.xyz.size() / 3, nullptr, nullptr));
-  for (const auto& polygon : poly.facets)
-    DONE(wsp_plc_add_facet(plc.get(), polygon.data(), polygon.size(), 0, nullptr));
+  std::vector<std::uint32_t> corners;
+  std::vector<std::size_t> starts{0};
+  for (const auto& polygon : poly.facets) {
+    corners.insert(corners.end(), polygon.begin(), polygon.end());
+    starts.push_back(corners.size());
+  }
+  const std::size_t facets = poly.facets.size();
+  DONE(wsp_plc_add_facets(plc.get(), corners.data(), starts.data(), facets, nullptr, facets, nullptr, nullptr));
   wsp_triangulation* t = nullptr;
   DONE(wsp_triangulation_from_plc(plc.get(), nullptr, nullptr, &t));
   Domain domain{Triangulation(t), poly.xyz, {}, {}, {}};
@@ -307,7 +313,7 @@ void step(const std::string& path, double beta, const std::string& rule) {
     wsp_batch* raw = nullptr;
     DONE(wsp_steiner_batch(t, edge, &options, &raw));
     const Batch batch(raw);
-    DONE(wsp_triangulation_insert_batch(t, batch.get(), nullptr, 0, nullptr));
+    DONE(wsp_triangulation_insert_batch(t, batch.get(), nullptr));
     std::size_t now = 0;
     DONE(wsp_triangulation_counts(t, &now, nullptr));
     require(now > vertices, "a batch added no vertex");

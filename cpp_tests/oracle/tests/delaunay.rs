@@ -3,35 +3,34 @@
 mod common;
 
 use common::*;
+use glam::DVec3;
 use proptest::prelude::*;
 use wellspaced::Control;
 use wellspaced_oracle::Point;
 
 /// Bulk, one by one, and half of each.
 fn every_way(points: &[Point]) -> Result<(), TestCaseError> {
-    let (mesh, ids) = bulk(points);
-    same_as_cgal(&mesh, points, &ids)?;
+    let (triangulation, ids) = bulk(points);
+    same_as_cgal(&triangulation, points, &ids)?;
     // Ids follow the input: a point that is no duplicate gets the next one.
     let mut next = 0;
     for (i, &id) in ids.iter().enumerate() {
-        match points[..i].iter().position(|p| *p == points[i]) {
+        match points[..i].iter().position(|p| dvec(p) == dvec(&points[i])) {
             Some(first) => prop_assert_eq!(id, ids[first]),
             None => {
-                prop_assert!(i == 0 || id >= next, "ids {:?} do not follow the input", &ids);
-                next = id + 1;
+                prop_assert_eq!(id, next, "ids {:?}", &ids);
+                next += 1;
             }
         }
     }
 
-    let (mesh, ids) = one_by_one(points);
-    same_as_cgal(&mesh, points, &ids)?;
+    let (triangulation, ids) = one_by_one(points);
+    same_as_cgal(&triangulation, points, &ids)?;
 
     let (first, second) = points.split_at(points.len() / 2);
-    let (mut mesh, mut ids) = bulk(first);
-    let mut more = Vec::new();
-    prop_assert!(mesh.insert(&dvecs(second), Some(&mut more), &Control::default()).unwrap());
-    ids.extend(more);
-    same_as_cgal(&mesh, points, &ids)
+    let (mut triangulation, mut ids) = bulk(first);
+    ids.extend(insert_many(&mut triangulation, second));
+    same_as_cgal(&triangulation, points, &ids)
 }
 
 proptest! {
@@ -85,13 +84,11 @@ proptest! {
             .prop_flat_map(|points| (Just(points.clone()), Just(points).prop_shuffle())),
     ) {
         let shape = |points: &[Point]| {
-            let (mesh, _) = bulk(points);
-            let view = mesh.view();
-            let mut cells: Vec<_> = view
-                .tetrahedra
-                .iter()
+            let (triangulation, _) = bulk(points);
+            let mut cells: Vec<_> = triangulation
+                .tetrahedra()
                 .map(|t| {
-                    let mut corners = t.map(|v| view.points[v as usize].to_array().map(|x| x as i64));
+                    let mut corners = t.map(|v| triangulation.point(v).unwrap().to_array().map(|x| x as i64));
                     corners.sort_unstable();
                     corners
                 })
@@ -136,39 +133,46 @@ fn every_prefix_of_a_rising_dimension() {
 fn whole_grids() {
     for n in 2..=7 {
         let points: Vec<Point> = (0..n * n * n).map(|i| [i % n, i / n % n, i / n / n].map(f64::from)).collect();
-        let (mesh, ids) = bulk(&points);
-        same_as_cgal(&mesh, &points, &ids).unwrap();
+        let (triangulation, ids) = bulk(&points);
+        same_as_cgal(&triangulation, &points, &ids).unwrap();
         let shifted: Vec<Point> = points.iter().map(|p| p.map(|x| x * 0.1 + 1e7)).collect();
-        let (mesh, ids) = bulk(&shifted);
-        same_as_cgal(&mesh, &shifted, &ids).unwrap();
+        let (triangulation, ids) = bulk(&shifted);
+        same_as_cgal(&triangulation, &shifted, &ids).unwrap();
     }
 }
 
 #[test]
 fn nothing_and_one_point_many_times() {
-    let (mesh, ids) = bulk(&[]);
-    same_as_cgal(&mesh, &[], &ids).unwrap();
+    let (triangulation, ids) = bulk(&[]);
+    same_as_cgal(&triangulation, &[], &ids).unwrap();
     let same = vec![[0.1, 0.2, 0.3]; 500];
-    let (mesh, ids) = bulk(&same);
-    same_as_cgal(&mesh, &same, &ids).unwrap();
-    assert!(ids.iter().all(|&id| id == ids[0]));
+    let (triangulation, ids) = bulk(&same);
+    same_as_cgal(&triangulation, &same, &ids).unwrap();
     // The signs of zero do not tell points apart.
-    let zeros = [[0.0, -0.0, 0.0], [-0.0, 0.0, -0.0], [1.0, 0.0, 0.0]];
-    let (mesh, ids) = bulk(&zeros);
-    assert_eq!(ids[0], ids[1]);
-    assert_eq!(mesh.triangulation().vertex_count(), 2);
+    let zeros = [[0.0, -0.0, 0.0], [-0.0, 0.0, -0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [-0.0, 0.0, 3.0]];
+    every_way(&zeros).unwrap();
 }
 
 #[test]
 fn a_refused_call_inserts_nothing() {
-    let (mut mesh, _) = bulk(&[[0.0; 3], [1.0, 0.0, 0.0]]);
-    let bad = [[0.5, 0.5, 0.5], [0.0, f64::NAN, 0.0]];
-    assert!(mesh.insert(&dvecs(&bad), None, &Control::default()).is_err());
-    assert_eq!(mesh.triangulation().vertex_count(), 2);
-    assert_eq!(mesh.triangulation().dimension(), 1);
-    let cancelled = Control::default();
-    cancelled.cancel();
-    let points: Vec<_> = (0..5000).map(|i| [f64::from(i), f64::from(i * i % 71), f64::from(i * i % 83)]).collect();
-    assert_eq!(mesh.insert(&dvecs(&points), None, &cancelled), Ok(false));
-    assert_eq!(mesh.triangulation().vertex_count(), 2);
+    let many: Vec<Point> = (0..5000).map(|i| [f64::from(i), f64::from(i * i % 71), f64::from(i * i % 83)]).collect();
+    for before in [&many[..0], &many[..2], &many[..50]] {
+        let (mut triangulation, ids) = bulk(before);
+        for bad in [f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            let points = [DVec3::splat(0.5), DVec3::new(0.0, bad, 0.0)];
+            assert!(triangulation.insert_many(&points, &Control::default()).is_err());
+            assert!(triangulation.insert(points[1], None).is_err());
+            same_as_cgal(&triangulation, before, &ids).unwrap();
+        }
+        let cancelled = Control::default();
+        cancelled.cancel();
+        assert_eq!(triangulation.insert_many(&dvecs(&many), &cancelled), Ok(None));
+        same_as_cgal(&triangulation, before, &ids).unwrap();
+        // Cancelled half way.
+        let turns = std::sync::atomic::AtomicUsize::new(0);
+        let late = Control::with_progress(move |_| turns.fetch_add(1, std::sync::atomic::Ordering::Relaxed) < 3);
+        if triangulation.insert_many(&dvecs(&many), &late) == Ok(None) {
+            same_as_cgal(&triangulation, before, &ids).unwrap();
+        }
+    }
 }

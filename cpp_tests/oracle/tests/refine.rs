@@ -31,13 +31,7 @@ fn fills_the_box(mesh: &Mesh) -> Result<(), TestCaseError> {
     let view = mesh.view();
     let expected: BTreeSet<_> = cgal.tetrahedra.iter().map(|&t| sorted(t)).collect();
     let found: BTreeSet<_> = view.tetrahedra.iter().map(|&t| sorted(t)).collect();
-    ensure(found == expected, || {
-        format!(
-            "only ours: {:?}, only CGAL's: {:?}",
-            found.difference(&expected).collect::<Vec<_>>(),
-            expected.difference(&found).collect::<Vec<_>>()
-        )
-    })?;
+    same_sets(&found, &expected)?;
     sound_view(mesh)?;
     // Every hull facet lies in a side of the box, and the box is full.
     for facet in &cgal.hull {

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use wellspaced::{Control, Mesh};
+use wellspaced::{Control, Mesh, Triangulation};
 use wellspaced_oracle as oracle;
 use wellspaced_oracle::Point;
 
@@ -141,11 +141,10 @@ pub fn ensure(holds: bool, problem: impl FnOnce() -> String) -> Result<(), TestC
     }
 }
 
-/// Whether `mesh` is CGAL's triangulation of `points`, of which `points[i]` became vertex `ids[i]`.
-pub fn same_as_cgal(mesh: &Mesh, points: &[Point], ids: &[u32]) -> Result<(), TestCaseError> {
+/// Whether this is CGAL's triangulation of `points`, of which `points[i]` became vertex `ids[i]`.
+pub fn same_as_cgal(ours: &Triangulation, points: &[Point], ids: &[u32]) -> Result<(), TestCaseError> {
     ensure(ids.len() == points.len(), || format!("{} ids for {} points", ids.len(), points.len()))?;
     let cgal = oracle::delaunay(points).expect("CGAL takes finite points");
-    let ours = mesh.triangulation();
     ensure(ours.dimension() == cgal.dimension, || format!("dimension {}, CGAL {}", ours.dimension(), cgal.dimension))?;
     ensure(ours.vertex_count() == cgal.vertices, || {
         format!("{} vertices, CGAL {}", ours.vertex_count(), cgal.vertices)
@@ -154,32 +153,29 @@ pub fn same_as_cgal(mesh: &Mesh, points: &[Point], ids: &[u32]) -> Result<(), Te
         ensure(ours.point(id) == Some(dvec(point)), || format!("vertex {id} is {:?}, not {point:?}", ours.point(id)))?;
     }
 
-    let view = mesh.view();
     let mapped = |v: u32| ids[v as usize];
     let expected: BTreeSet<_> = cgal.tetrahedra.iter().map(|t| sorted(t.map(mapped))).collect();
-    let found: BTreeSet<_> = view.tetrahedra.iter().map(|&t| sorted(t)).collect();
-    ensure(found.len() == view.tetrahedra.len(), || "a tetrahedron is listed twice".into())?;
-    ensure(ours.tetrahedron_count() == view.tetrahedra.len(), || "the count is not the view's".into())?;
-    ensure(found == expected, || {
-        let ours: Vec<_> = found.difference(&expected).collect();
-        let theirs: Vec<_> = expected.difference(&found).collect();
-        format!("only ours: {ours:?}, only CGAL's: {theirs:?}")
-    })?;
-    sound_view(mesh)?;
-    let hull: BTreeSet<_> =
-        if cgal.dimension == 3 { cgal.hull.iter().map(|f| sorted(f.map(mapped))).collect() } else { BTreeSet::new() };
-    ensure(boundary(mesh) == hull, || "another hull than CGAL's".into())
+    let found: BTreeSet<_> = ours.tetrahedra().map(sorted).collect();
+    ensure(found.len() == ours.tetrahedron_count(), || "the count is not that of the distinct tetrahedra".into())?;
+    same_sets(&found, &expected)?;
+    for tet in ours.tetrahedra() {
+        let corners = tet.map(|v| ours.point(v).expect("a vertex").to_array());
+        ensure(oracle::orientation(corners).unwrap() == 1, || format!("{tet:?} is not positively oriented"))?;
+    }
+    if cgal.dimension == 3 {
+        let hull: BTreeSet<_> = cgal.hull.iter().map(|f| sorted(f.map(mapped))).collect();
+        same_sets(&ours.hull().map(sorted).collect(), &hull)?;
+    }
+    ours.validate(3).map_err(|defect| TestCaseError::fail(defect.to_string()))
 }
 
-/// The faces that no neighbour lies behind.
-pub fn boundary(mesh: &Mesh) -> BTreeSet<[u32; 3]> {
-    let view = mesh.view();
-    let faces = view
-        .tetrahedra
-        .iter()
-        .zip(view.neighbours)
-        .flat_map(|(tet, neighbours)| (0..4).filter(|&i| neighbours[i] == u32::MAX).map(|i| sorted(face(tet, i))));
-    faces.collect()
+/// Equality, and what differs if not.
+pub fn same_sets<const N: usize>(ours: &BTreeSet<[u32; N]>, cgals: &BTreeSet<[u32; N]>) -> Result<(), TestCaseError> {
+    ensure(ours == cgals, || {
+        let only_ours: Vec<_> = ours.difference(cgals).collect();
+        let only_cgals: Vec<_> = cgals.difference(ours).collect();
+        format!("only ours: {only_ours:?}, only CGAL's: {only_cgals:?}")
+    })
 }
 
 /// The face opposite corner `i`.
@@ -207,25 +203,36 @@ pub fn sound_view(mesh: &Mesh) -> Result<(), TestCaseError> {
             })?;
         }
     }
-    mesh.validate(3).map_err(TestCaseError::fail)
+    mesh.validate(3).map_err(|defect| TestCaseError::fail(defect.to_string()))
 }
 
-/// A mesh of all points at once, and their ids.
-pub fn bulk(points: &[Point]) -> (Mesh, Vec<u32>) {
-    let mut mesh = Mesh::new();
-    let mut ids = Vec::new();
-    assert!(mesh.insert(&dvecs(points), Some(&mut ids), &Control::default()).unwrap());
-    (mesh, ids)
+/// All points at once, and their ids.
+pub fn bulk(points: &[Point]) -> (Triangulation, Vec<u32>) {
+    let mut triangulation = Triangulation::new();
+    let ids = insert_many(&mut triangulation, points);
+    (triangulation, ids)
 }
 
-/// A mesh of the points inserted one by one.
-pub fn one_by_one(points: &[Point]) -> (Mesh, Vec<u32>) {
-    let mut mesh = Mesh::new();
-    let mut all = Vec::new();
-    for point in points {
-        let mut ids = Vec::new();
-        assert!(mesh.insert(&[dvec(point)], Some(&mut ids), &Control::default()).unwrap());
-        all.extend(ids);
+/// More points at once.
+pub fn insert_many(triangulation: &mut Triangulation, points: &[Point]) -> Vec<u32> {
+    triangulation.insert_many(&dvecs(points), &Control::default()).unwrap().expect("nothing cancels it")
+}
+
+/// The points one by one, each with a hint that is good, bad or missing.
+pub fn one_by_one(points: &[Point]) -> (Triangulation, Vec<u32>) {
+    let mut triangulation = Triangulation::new();
+    let mut ids: Vec<u32> = Vec::new();
+    for (i, point) in points.iter().enumerate() {
+        let hint = match i % 4 {
+            0 => None,
+            1 => ids.last().copied(),
+            2 => ids.first().copied(),
+            _ => Some(i as u32),
+        };
+        let known = ids.iter().any(|&id| triangulation.point(id) == Some(dvec(point)));
+        let inserted = triangulation.insert(dvec(point), hint).unwrap();
+        assert_eq!(inserted.is_new, !known, "point {i}");
+        ids.push(inserted.vertex);
     }
-    (mesh, all)
+    (triangulation, ids)
 }
