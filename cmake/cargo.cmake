@@ -11,8 +11,10 @@ set(WELLSPACED_CARGO_TARGET "" CACHE STRING "Cargo's --target, for cross-compili
 set(WELLSPACED_CARGO_TARGET_DIR "${CMAKE_CURRENT_BINARY_DIR}/cargo" CACHE PATH "Where cargo builds")
 mark_as_advanced(WELLSPACED_CARGO WELLSPACED_CARGO_PROFILE WELLSPACED_CARGO_TARGET WELLSPACED_CARGO_TARGET_DIR)
 
-# The ABI version, which the SONAME carries. It changes when a host has to be compiled again.
-set(wellspaced_abi 0)
+# The ABI version, which the SONAME carries, has one home too: the header.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS include/wellspaced.h)
+file(STRINGS include/wellspaced.h wellspaced_abi REGEX "^#define WSP_ABI_VERSION [0-9]+$")
+string(REGEX REPLACE ".* " "" wellspaced_abi "${wellspaced_abi}")
 
 set(cargo_options --locked --manifest-path ${CMAKE_CURRENT_SOURCE_DIR}/Cargo.toml --package wellspaced
     --target-dir ${WELLSPACED_CARGO_TARGET_DIR} --profile ${WELLSPACED_CARGO_PROFILE})

@@ -195,9 +195,17 @@ void delaunay(const std::string& name) {
 struct Domain {
   Triangulation triangulation;
   Coordinates input;
-  std::vector<std::uint32_t> ids;
   Point low, high;
 };
+
+// Whether `t` is CGAL's triangulation of its own vertices.
+void require_cgals_of_its_vertices(const Triangulation& t) {
+  const auto view = view_of(t);
+  const Coordinates xyz(view.points, view.points + 3 * view.points_count);
+  std::vector<std::uint32_t> ids(view.points_count);
+  std::iota(ids.begin(), ids.end(), 0u);
+  require_cgals(t, xyz, ids);
+}
 
 Domain box_of(const std::string& path) {
   const auto poly = poly_file::read(path);
@@ -215,7 +223,7 @@ Domain box_of(const std::string& path) {
   DONE(wsp_plc_add_facets(plc.get(), corners.data(), starts.data(), facets, nullptr, facets, nullptr, nullptr));
   wsp_triangulation* t = nullptr;
   DONE(wsp_triangulation_from_plc(plc.get(), nullptr, nullptr, &t));
-  Domain domain{Triangulation(t), poly.xyz, {}, {}, {}};
+  Domain domain{Triangulation(t), poly.xyz, {}, {}};
   for (int k = 0; k < 3; ++k) {
     domain.low[k] = std::numeric_limits<double>::infinity();
     domain.high[k] = -domain.low[k];
@@ -224,22 +232,16 @@ Domain box_of(const std::string& path) {
       domain.high[k] = std::max(domain.high[k], poly.xyz[i]);
     }
   }
-  // The data sets have no duplicates.
-  domain.ids.resize(poly.xyz.size() / 3);
-  std::iota(domain.ids.begin(), domain.ids.end(), 0u);
-  require_cgals(domain.triangulation, domain.input, domain.ids);
+  require_cgals_of_its_vertices(domain.triangulation);
   return domain;
 }
 
 void require_refined(const Domain& domain, double beta) {
   const auto view = view_of(domain.triangulation);
+  // The data sets have no duplicates: the first vertices are the input's.
   require(std::equal(domain.input.begin(), domain.input.end(), view.points), "an input vertex was moved");
 
-  // CGAL's triangulation of the output's vertices.
-  const Coordinates xyz(view.points, view.points + 3 * view.points_count);
-  std::vector<std::uint32_t> ids(view.points_count);
-  std::iota(ids.begin(), ids.end(), 0u);
-  require_cgals(domain.triangulation, xyz, ids);
+  require_cgals_of_its_vertices(domain.triangulation);
 
   // The bound, exactly.
   const auto cells = tetrahedra(view);
@@ -278,6 +280,8 @@ wsp_rule rule_of(const std::string& name) {
 
 void refine(const std::string& path, double beta, const std::string& rule) {
   const auto domain = box_of(path);
+  std::size_t before = 0;
+  DONE(wsp_triangulation_counts(domain.triangulation.get(), &before, nullptr));
   wsp_refine_options options;
   DONE(wsp_refine_options_init(&options, sizeof options));
   options.radius_edge = beta;
@@ -289,7 +293,8 @@ void refine(const std::string& path, double beta, const std::string& rule) {
   require_refined(domain, beta);
   const auto view = view_of(domain.triangulation);
   require(report.vertices == view.points_count && report.tetrahedra == view.tetrahedra_count &&
-              report.steiner == view.points_count - domain.ids.size(),
+              report.steiner == view.points_count - domain.input.size() / 3 &&
+              report.vertices - before == report.samples + report.segment_splits + report.facet_splits,
           "the report counts otherwise than the view");
   require(report.worst_radius_edge > 0 && report.worst_radius_edge <= beta, "worst_radius_edge is over the bound");
 }
@@ -302,6 +307,7 @@ void step(const std::string& path, double beta, const std::string& rule) {
   options.radius_edge = beta;
   options.rule = rule_of(rule);
   std::size_t vertices = 0, steps = 0;
+  Coordinates stalled;
   DONE(wsp_triangulation_counts(t, &vertices, nullptr));
   for (;; ++steps) {
     wsp_edge edge;
@@ -313,10 +319,15 @@ void step(const std::string& path, double beta, const std::string& rule) {
     wsp_batch* raw = nullptr;
     DONE(wsp_steiner_batch(t, edge, &options, &raw));
     const Batch batch(raw);
+    const Coordinates points(wsp_batch_points(batch.get()),
+                             wsp_batch_points(batch.get()) + 3 * wsp_batch_count(batch.get()));
+    require(!points.empty(), "a bad edge gets an empty batch");
+    // A batch may give way to a boundary split that has to come first: then the next is another.
+    require(points != stalled, "a batch adds no vertex and comes again");
     DONE(wsp_triangulation_insert_batch(t, batch.get(), nullptr));
     std::size_t now = 0;
     DONE(wsp_triangulation_counts(t, &now, nullptr));
-    require(now > vertices, "a batch added no vertex");
+    stalled = now > vertices ? Coordinates() : points;
     vertices = now;
     require(vertices < 1000000, "no end in sight");
   }
