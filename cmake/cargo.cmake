@@ -17,17 +17,22 @@ file(STRINGS include/wellspaced.h wellspaced_abi REGEX "^#define WSP_ABI_VERSION
 string(REGEX REPLACE ".* " "" wellspaced_abi "${wellspaced_abi}")
 
 set(cargo_options --locked --manifest-path ${CMAKE_CURRENT_SOURCE_DIR}/Cargo.toml --package wellspaced
-    --target-dir ${WELLSPACED_CARGO_TARGET_DIR} --profile ${WELLSPACED_CARGO_PROFILE})
-set(cargo_output ${WELLSPACED_CARGO_TARGET_DIR})
+    --profile ${WELLSPACED_CARGO_PROFILE})
+set(output_subdir "")
 if(WELLSPACED_CARGO_TARGET)
   list(APPEND cargo_options --target ${WELLSPACED_CARGO_TARGET})
-  string(APPEND cargo_output /${WELLSPACED_CARGO_TARGET})
+  set(output_subdir ${WELLSPACED_CARGO_TARGET}/)
 endif()
 if(WELLSPACED_CARGO_PROFILE STREQUAL dev)
-  string(APPEND cargo_output /debug)
+  string(APPEND output_subdir debug)
 else()
-  string(APPEND cargo_output /${WELLSPACED_CARGO_PROFILE})
+  string(APPEND output_subdir ${WELLSPACED_CARGO_PROFILE})
 endif()
+# The library has a folder of its own: the command's build makes another library of the same name, and in one folder
+# each would throw the other away.
+set(library_target_dir ${WELLSPACED_CARGO_TARGET_DIR}/library)
+set(library_output ${library_target_dir}/${output_subdir})
+set(command_output ${WELLSPACED_CARGO_TARGET_DIR}/${output_subdir})
 
 set(wellspaced_lib_dir ${CMAKE_CURRENT_BINARY_DIR}/lib)
 set(wellspaced_static_name ${CMAKE_STATIC_LIBRARY_PREFIX}wellspaced${CMAKE_STATIC_LIBRARY_SUFFIX})
@@ -57,18 +62,18 @@ endif()
 # Without the rlib, which link-time optimisation would have to leave out.
 add_custom_target(
   wellspaced_cargo ${all}
-  COMMAND ${WELLSPACED_CARGO} rustc ${cargo_options} --lib --crate-type cdylib,staticlib -- -C link-arg=${soname_flag}
+  COMMAND ${WELLSPACED_CARGO} rustc ${cargo_options} --target-dir ${library_target_dir} --lib
+          --crate-type cdylib,staticlib -- -C link-arg=${soname_flag}
   COMMAND ${CMAKE_COMMAND} -E make_directory ${wellspaced_lib_dir}
-  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${cargo_output}/${shared_link} ${wellspaced_lib_dir}/${shared_file}
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_output}/${shared_link} ${wellspaced_lib_dir}/${shared_file}
   COMMAND ${CMAKE_COMMAND} -E create_symlink ${shared_file} ${wellspaced_lib_dir}/${shared_soname_link}
   COMMAND ${CMAKE_COMMAND} -E create_symlink ${shared_soname_link} ${wellspaced_lib_dir}/${shared_link}
-  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${cargo_output}/${wellspaced_static_name}
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_output}/${wellspaced_static_name}
           ${wellspaced_lib_dir}/${wellspaced_static_name}
   BYPRODUCTS ${wellspaced_lib_dir}/${shared_file} ${wellspaced_lib_dir}/${wellspaced_static_name}
   COMMENT "cargo: library wellspaced"
   USES_TERMINAL VERBATIM)
 
-# The command is another build of the crate: after the library, as both leave files of the same name.
 set(wellspaced_command ${wellspaced_lib_dir}/../bin/wellspaced)
 cmake_path(NORMAL_PATH wellspaced_command)
 set(all "")
@@ -77,13 +82,13 @@ if(WELLSPACED_BUILD_COMMAND OR WELLSPACED_BUILD_TESTS)
 endif()
 add_custom_target(
   wellspaced_command ${all}
-  COMMAND ${WELLSPACED_CARGO} build ${cargo_options} --features cli --bin wellspaced
+  COMMAND ${WELLSPACED_CARGO} build ${cargo_options} --target-dir ${WELLSPACED_CARGO_TARGET_DIR} --features cli
+          --bin wellspaced
   COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_CURRENT_BINARY_DIR}/bin
-  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${cargo_output}/wellspaced ${wellspaced_command}
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${command_output}/wellspaced ${wellspaced_command}
   BYPRODUCTS ${wellspaced_command}
   COMMENT "cargo: command wellspaced"
   USES_TERMINAL VERBATIM)
-add_dependencies(wellspaced_command wellspaced_cargo)
 
 add_library(wellspaced::wellspaced SHARED IMPORTED GLOBAL)
 set_target_properties(

@@ -164,7 +164,7 @@ void require_cgals(const Triangulation& t, const Coordinates& xyz, const std::ve
       for (auto& v : facet) v = ids[v];
     require(boundary == normal_form(hull), "another hull than CGAL's");
   }
-  DONE(wsp_triangulation_validate(t.get(), 3));
+  DONE(wsp_triangulation_validate(t.get(), WSP_VALIDATE_DELAUNAY, 0));
   std::printf("%zu points: %zu vertices, dimension %d, %zu tetrahedra: CGAL's\n", ids.size(), vertices,
               static_cast<int>(dimension), cells);
 }

@@ -1,6 +1,5 @@
 /* Refines a cube's corners and a point near one: small, but it runs the whole library. */
 #include <stdio.h>
-#include <string.h>
 
 #include <wellspaced.h>
 
