@@ -52,8 +52,8 @@ def ellipsoid(points):
 VIEWS = {
     "cube1": ("Cube1: two points at distance 1 in a cube of side 100,000\n(distance from the centre on a log scale)",
               cube1, (25, 20), 26),
-    "helix": ("Helix: two near strands, zoomed in on three of ten turns", helix, (20, 24), 9),
-    "ellipsoid": ("Ellipsoid: 10,000 points, a slice through the middle", ellipsoid, (-90, 0), 9),
+    "helix": ("Helix: two near strands,\nzoomed in on three of ten turns", helix, (20, 24), 9),
+    "ellipsoid": ("Ellipsoid: 10,000 points,\na slice through the middle", ellipsoid, (-90, 0), 9),
 }
 
 

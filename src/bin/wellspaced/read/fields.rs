@@ -1,13 +1,23 @@
 //! Text files of numbers, line by line: comments and blank lines are skipped, every field knows the file and line
 //! it stands in, so that a wrong one can be named.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 use std::str::FromStr;
 
 use glam::DVec3;
 
 use crate::failure::Failure;
+
+/// The name of an element: what it is and its number in the file.
+#[derive(Clone, Copy)]
+pub struct Numbered(pub &'static str, pub usize);
+
+impl Display for Numbered {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.0, self.1)
+    }
+}
 
 /// What stands between the fields of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::fields::{Fields, Lines, Separator};
+use super::fields::{Fields, Lines, Numbered, Separator};
 use super::source::Source;
 use super::{read_file, too_many};
 use crate::failure::Failure;
@@ -72,24 +72,23 @@ pub fn parse_points(lines: &mut Lines, header: &Header, path: &Path, source: &mu
     source.points = Vec::with_capacity(room);
     for index in 0..header.count {
         let mut fields = lines.expect(format_args!("point {} of {}", index + 1, header.count))?;
-        let element = format_args!("point {}", index + source.base).to_string();
-        let number = fields.count(&element, "number")?;
+        let element = Numbered("point", index + source.base);
+        let number = fields.count(element, "number")?;
         if index == 0 {
             if number > 1 {
-                return Err(fields.wrong(format_args!("point {number}"), "the first point must have number 0 or 1"));
+                return Err(fields.wrong(Numbered("point", number), "the first point must have number 0 or 1"));
             }
             source.base = number;
         } else if number != index + source.base {
-            let problem = format_args!("number is {number}, expected {}", index + source.base).to_string();
-            return Err(fields.wrong(element, problem));
+            return Err(fields.wrong(element, format_args!("number is {number}, expected {}", element.1)));
         }
-        let element = format_args!("point {number}").to_string();
-        list.points.push(fields.point(&element)?);
+        let element = Numbered("point", number);
+        list.points.push(fields.point(element)?);
         for attribute in 1..=header.attributes {
-            fields.real(&element, format_args!("attribute {attribute}"))?;
+            fields.real(element, format_args!("attribute {attribute}"))?;
         }
         if header.markers {
-            list.markers.push(fields.marker(&element)?);
+            list.markers.push(fields.marker(element)?);
         }
         source.points.push(u32::try_from(fields.line()).unwrap_or(u32::MAX));
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use wellspaced::{Plc, PlcFacet, PlcRegion, PlcSegment};
 
-use super::fields::{Fields, Lines, Separator};
+use super::fields::{Fields, Lines, Numbered, Separator};
 use super::node::{parse_points, read_node, Header};
 use super::source::{Place, Source};
 use crate::failure::Failure;
@@ -54,7 +54,7 @@ impl<'a> Reader<'a, '_> {
             0 => false,
             1 => true,
             other => {
-                let problem = format_args!("number of markers is {other}, expected 0 or 1").to_string();
+                let problem = format!("number of markers is {other}, expected 0 or 1");
                 return Err(fields.wrong("list of facets", problem));
             }
         };
@@ -109,8 +109,8 @@ impl<'a> Reader<'a, '_> {
         }
         let mut corners = Vec::with_capacity(count.min(self.plc.points.len()));
         while corners.len() < count {
-            let name = format_args!("corner {}", corners.len() + 1).to_string();
-            let Some(corner) = fields.optional_count(element, &name)? else {
+            let name = Numbered("corner", corners.len() + 1);
+            let Some(corner) = fields.optional_count(element, name)? else {
                 fields = self.lines.expect(format_args!("{element}, {name} of {count}"))?;
                 continue;
             };
@@ -146,10 +146,10 @@ impl<'a> Reader<'a, '_> {
         for index in 0..count {
             let (element, mut fields, place) = self.seed("region", index, count)?;
             self.plc.regions.push(PlcRegion {
-                point: fields.point(&element)?,
-                attribute: fields.optional_real(&element, "attribute")?.unwrap_or(0.0),
+                point: fields.point(element)?,
+                attribute: fields.optional_real(element, "attribute")?.unwrap_or(0.0),
                 // TetGen takes 0 and less for 'no limit'.
-                max_volume: fields.optional_real(&element, "largest volume")?.filter(|&volume| volume > 0.0),
+                max_volume: fields.optional_real(element, "largest volume")?.filter(|&volume| volume > 0.0),
             });
             self.source.regions.push(place);
         }
@@ -157,11 +157,16 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The line of a hole or region, up to its coordinates.
-    fn seed(&mut self, name: &str, index: usize, count: usize) -> Result<(String, Fields<'a>, Place), Failure> {
-        let mut fields = self.lines.expect(format_args!("{name} {} of {count}", index + 1))?;
-        let number = fields.count(format_args!("{name} {}", index + 1), "number")?;
+    fn seed(
+        &mut self,
+        name: &'static str,
+        index: usize,
+        count: usize,
+    ) -> Result<(Numbered, Fields<'a>, Place), Failure> {
+        let mut fields = self.lines.expect(format_args!("{} of {count}", Numbered(name, index + 1)))?;
+        let number = fields.count(Numbered(name, index + 1), "number")?;
         let place = Place { line: fields.line(), number };
-        Ok((format!("{name} {number}"), fields, place))
+        Ok((Numbered(name, number), fields, place))
     }
 }
 

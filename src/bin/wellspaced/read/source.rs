@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use wellspaced::{DomainElement, Error};
 
+use super::fields::Numbered;
 use crate::failure::Failure;
 
 /// The line and number of one element.
@@ -66,12 +67,10 @@ impl Source {
     }
 
     fn point(&self, index: usize, problem: &str) -> Failure {
+        let element = Numbered("point", index + self.base);
         match self.points.get(index) {
-            Some(&line) => {
-                let element = format_args!("point {}", index + self.base).to_string();
-                Failure::in_line(&self.points_path, line as usize, element, problem)
-            }
-            None => Failure::in_file(&self.points_path, format_args!("point {}: {problem}", index + self.base)),
+            Some(&line) => Failure::in_line(&self.points_path, line as usize, element, problem),
+            None => Failure::in_file(&self.points_path, format_args!("{element}: {problem}")),
         }
     }
 
@@ -86,7 +85,7 @@ impl Source {
             whole => return Failure::in_file(&self.path, format_args!("{whole}: {problem}")),
         };
         match places.get(index) {
-            Some(place) => Failure::in_line(&self.path, place.line, format_args!("{name} {}", place.number), problem),
+            Some(place) => Failure::in_line(&self.path, place.line, Numbered(name, place.number), problem),
             None => Failure::in_file(&self.path, format_args!("{element}: {problem}")),
         }
     }

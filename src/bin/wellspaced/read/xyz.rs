@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::fields::{Lines, Separator};
+use super::fields::{Lines, Numbered, Separator};
 use super::source::Source;
 use super::too_many;
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ pub fn parse_xyz(path: &Path, content: &[u8], source: &mut Source) -> Result<Vec
     let mut points = Vec::new();
     source.base = 1;
     while let Some(mut fields) = lines.next()? {
-        let element = format_args!("point {}", points.len() + 1).to_string();
+        let element = Numbered("point", points.len() + 1);
         if points.len() == u32::MAX as usize {
             return Err(fields.wrong(element, too_many(points.len() + 1, "points")));
         }
