@@ -42,7 +42,7 @@ def cube1(points):
 
 
 def helix(points):
-    return points, (np.abs(points[:, 2]) < 0.24) & (np.abs(points[:, :2]).max(axis=1) < 0.5)
+    return points, (np.abs(points[:, 2]) < 0.24) & (np.abs(points[:, :2]).max(axis=1) < 0.42)
 
 
 def ellipsoid(points):

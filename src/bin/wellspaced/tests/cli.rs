@@ -95,7 +95,7 @@ fn refine_a_domain() {
         assert_eq!((&result["rule"], &result["status"]), (&rule.into(), &"done".into()));
         assert_eq!(result["radius_edge"], 2.0);
         let worst = result["worst_radius_edge"].as_f64().unwrap();
-        assert!(worst > 1.0 && worst <= 2.0, "{worst}");
+        assert!(worst > 1.0 && worst <= 2.0 + 1e-12, "{worst}");
         assert!((0.0..60.0).contains(&result["min_dihedral_degrees"].as_f64().unwrap()));
 
         // The files hold the mesh that was reported: the input first, the volume the cube's.
