@@ -16,14 +16,15 @@ use crate::write::{write, OutputMesh};
 
 /// `wellspaced refine`.
 pub fn refine(arguments: &Refine) -> Result<(), Failure> {
-    let files = &arguments.files;
-    let mut seconds = Seconds::default();
-    let input = open(files, &mut seconds)?;
     let mut options =
         RefineOptions { radius_edge: arguments.radius_edge, rule: arguments.rule.into(), ..RefineOptions::default() };
     if let Some(limit) = arguments.max_vertices {
         options.max_vertices = limit;
     }
+    options.check().map_err(Failure::usage)?;
+    let files = &arguments.files;
+    let mut seconds = Seconds::default();
+    let input = open(files, &mut seconds)?;
     let bar = Bar::new("refine");
     let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;

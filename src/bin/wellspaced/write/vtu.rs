@@ -5,7 +5,7 @@
 //! Written by hand: the document is this one fixed skeleton, without a text that would need escaping, and the
 //! arrays stream through the encoder, so that no second copy of a big mesh is made.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, IntoInnerError, Write};
 
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
@@ -56,7 +56,8 @@ fn array<const N: usize>(
     numbers: impl Iterator<Item = [u8; N]>,
 ) -> io::Result<()> {
     writeln!(out, r#"<DataArray {attributes} format="binary">"#)?;
-    let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
+    // The encoder is quick with long pieces only.
+    let mut encoder = BufWriter::with_capacity(3 << 14, EncoderWriter::new(&mut *out, &STANDARD));
     encoder.write_all(&((count * N) as u64).to_le_bytes())?;
     let mut written = 0;
     for number in numbers {
@@ -64,8 +65,7 @@ fn array<const N: usize>(
         written += 1;
     }
     assert_eq!(written, count, "length of the array {attributes}");
-    encoder.finish()?;
-    drop(encoder);
+    encoder.into_inner().map_err(IntoInnerError::into_error)?.finish()?;
     writeln!(out, "\n</DataArray>")
 }
 
