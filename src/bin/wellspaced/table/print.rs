@@ -94,7 +94,7 @@ pub fn text_footer(rows: &[Row]) -> String {
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from("| data set (input vertices) | β |");
     for rule in RuleName::TABLE {
-        let _ = write!(text, " {0}: vertices | paper | tetrahedra | paper |", rule.name());
+        let _ = write!(text, " `{}` vertices | printed | tetrahedra | printed |", rule.name());
     }
     text.push_str(" bad |\n|---|---|");
     text.push_str(&"--:|--:|--:|--:|".repeat(RuleName::TABLE.len()));

@@ -78,6 +78,8 @@ pub struct OutputMesh {
     pub tetrahedra: Vec<[u32; 4]>,
     /// For each point whether it was added.
     pub steiner: Vec<bool>,
+    /// For each tetrahedron 0, or 1 + the position of its region in the domain's list.
+    pub regions: Vec<u32>,
 }
 
 impl OutputMesh {
@@ -93,6 +95,7 @@ impl OutputMesh {
             }
         }
         mesh.tetrahedra = view.tetrahedra.iter().map(|t| t.map(|corner| numbers[corner as usize])).collect();
+        mesh.regions = view.regions.to_vec();
         mesh
     }
 }
@@ -137,11 +140,13 @@ mod tests {
     #[test]
     fn removed_vertices_leave_no_gap() {
         let points = [DVec3::X, DVec3::NAN, DVec3::Y, DVec3::Z, DVec3::NAN, DVec3::ZERO];
-        let view = MeshView { points: &points, tetrahedra: &[[0, 2, 3, 5]], neighbours: &[[u32::MAX; 4]] };
+        let view =
+            MeshView { points: &points, tetrahedra: &[[0, 2, 3, 5]], neighbours: &[[u32::MAX; 4]], regions: &[3] };
         let mesh = OutputMesh::new(view, 3);
         assert_eq!(mesh.points, [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]);
         assert_eq!(mesh.tetrahedra, [[0, 1, 2, 3]]);
         assert_eq!(mesh.steiner, [false, false, true, true]);
+        assert_eq!(mesh.regions, [3]);
     }
 
     #[test]

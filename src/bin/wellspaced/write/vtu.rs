@@ -1,5 +1,5 @@
-//! VTK's XML files of unstructured grids (`.vtu`), which ParaView opens: tetrahedra with their quality as cell data,
-//! Steiner points flagged as point data. Arrays are inline base64 of little-endian numbers behind their length in
+//! VTK's XML files of unstructured grids (`.vtu`), which ParaView opens: tetrahedra with their quality and region as
+//! cell data, Steiner points flagged as point data. Arrays are inline base64 of little-endian numbers behind their length in
 //! bytes, which every reader of the format knows.
 //!
 //! Written by hand: the document is this one fixed skeleton, without a text that would need escaping, and the
@@ -44,6 +44,8 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
     array(out, r#"type="Float64" Name="radius_edge""#, cells, ratios)?;
     let angles = shapes().map(|shape| min_dihedral_degrees(shape).to_le_bytes());
     array(out, r#"type="Float64" Name="min_dihedral_degrees""#, cells, angles)?;
+    let regions = mesh.regions.iter().map(|&region| region.to_le_bytes());
+    array(out, r#"type="UInt32" Name="region""#, cells, regions)?;
     writeln!(out, "</CellData>")?;
     writeln!(out, "</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 }
@@ -97,6 +99,7 @@ mod tests {
             points: points.to_vec(),
             tetrahedra: vec![[0, 2, 1, 3]],
             steiner: vec![false, false, true, false],
+            regions: vec![7],
         };
         let mut bytes = Vec::new();
         write_vtu(&mut bytes, &mesh).unwrap();
@@ -107,6 +110,7 @@ mod tests {
         assert_eq!(corners.chunks_exact(8).map(|b| b[0]).collect::<Vec<_>>(), [0, 2, 1, 3]);
         assert_eq!(decoded(&text, "offsets"), 4i64.to_le_bytes());
         assert_eq!(decoded(&text, "types"), [10]);
+        assert_eq!(decoded(&text, "region"), [7, 0, 0, 0]);
         assert_eq!(decoded(&text, "steiner"), [0, 0, 1, 0]);
         // The regular tetrahedron: R/l = sqrt(6)/4, dihedral angles acos(1/3).
         assert!((reals(&text, "radius_edge")[0] - 0.375f64.sqrt()).abs() < 1e-14);
@@ -116,7 +120,7 @@ mod tests {
     #[test]
     fn a_mesh_without_tetrahedra_is_a_whole_document() {
         let mut bytes = Vec::new();
-        let mesh = OutputMesh { points: vec![DVec3::ZERO], tetrahedra: vec![], steiner: vec![false] };
+        let mesh = OutputMesh { points: vec![DVec3::ZERO], steiner: vec![false], ..OutputMesh::default() };
         write_vtu(&mut bytes, &mesh).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.ends_with("</VTKFile>\n"));
