@@ -33,3 +33,8 @@ pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
 pub use refine::{RefineOptions, RefineReport, RefineStatus};
 pub use sampler::Rule;
 pub use triangulation::{Location, Triangulation};
+
+/// Compiles and runs the README's Rust.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -43,7 +43,8 @@ pub(crate) fn check_radius_edge(value: f64) -> Result<(), Error> {
 }
 
 impl RefineOptions {
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// Whether each option has a value that it can have.
+    pub fn check(&self) -> Result<(), Error> {
         check_radius_edge(self.radius_edge)?;
         if !(self.min_edge.is_finite() && self.min_edge >= 0.0) {
             return Err(Error::InvalidOption {

@@ -1,0 +1,155 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use wellspaced::Rule;
+
+use crate::dataset::Dataset;
+use crate::read::InputFile;
+use crate::write::OutputFile;
+
+/// Quality tetrahedral meshes with few elements: sparse Delaunay refinement of points and piecewise linear domains.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Refine points or a domain until every tetrahedron keeps the radius-edge bound
+    Refine(Refine),
+    /// Make the Delaunay triangulation of a file's points
+    Delaunay(Delaunay),
+    /// Refine every data set of the paper and print the paper's table beside ours
+    Table1(Table1),
+    /// Write a data set of the paper to standard output as a .poly file
+    Dataset(DatasetArguments),
+}
+
+/// The files of a command that reads one and writes any number.
+#[derive(Debug, Args)]
+pub struct Files {
+    /// A TetGen .poly file (a domain), or points: .node, .xyz
+    #[arg(value_name = "FILE", value_parser = InputFile::parse)]
+    pub input: InputFile,
+    /// Write the mesh: .vtu, or .node and .ele (both are written for either); may be given several times
+    #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
+    pub outputs: Vec<OutputFile>,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `refine`.
+#[derive(Debug, Args)]
+pub struct Refine {
+    #[command(flatten)]
+    pub files: Files,
+    /// The bound: no tetrahedron's circumradius is longer than B times its shortest edge
+    #[arg(short = 'b', long, value_name = "B")]
+    pub radius_edge: f64,
+    /// How Steiner points are chosen
+    #[arg(long, value_enum, default_value_t = RuleName::Paper)]
+    pub rule: RuleName,
+    /// Stop at this many vertices, input included
+    #[arg(long, value_name = "N")]
+    pub max_vertices: Option<usize>,
+}
+
+/// Arguments of `delaunay`.
+#[derive(Debug, Args)]
+pub struct Delaunay {
+    #[command(flatten)]
+    pub files: Files,
+}
+
+/// Arguments of `table1`.
+#[derive(Debug, Args)]
+pub struct Table1 {
+    /// The seed of the random data sets
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Take NAME.poly from this folder instead of the recipes
+    #[arg(long, value_name = "DIR", conflicts_with = "seed")]
+    pub data: Option<PathBuf>,
+    /// Only this data set; may be given several times
+    #[arg(long = "only", value_name = "NAME", value_enum)]
+    pub only: Vec<Dataset>,
+    /// Print the table as one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Print the table in Markdown, as in the README
+    #[arg(long, conflicts_with = "json")]
+    pub markdown: bool,
+}
+
+/// Arguments of `dataset`.
+#[derive(Debug, Args)]
+pub struct DatasetArguments {
+    /// Which one
+    #[arg(value_name = "NAME", value_enum)]
+    pub dataset: Dataset,
+    /// The seed of the random ones (cube8, ellipsoid, random)
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+}
+
+/// The seed when none is given.
+pub const DEFAULT_SEED: u64 = 1;
+
+/// The sampling rules by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RuleName {
+    /// Batches of off-centres, as in the paper
+    Paper,
+    /// The circumcentre of the bad tetrahedron, the classical method
+    Circumcenter,
+}
+
+impl RuleName {
+    /// All rules of the table, the one that the others are compared with first.
+    pub const TABLE: [RuleName; 2] = [RuleName::Circumcenter, RuleName::Paper];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            RuleName::Paper => "paper",
+            RuleName::Circumcenter => "circumcenter",
+        }
+    }
+}
+
+impl From<RuleName> for Rule {
+    fn from(name: RuleName) -> Rule {
+        match name {
+            RuleName::Paper => Rule::Paper,
+            RuleName::Circumcenter => Rule::Circumcenter,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn names_are_the_command_lines() {
+        for rule in RuleName::value_variants() {
+            assert_eq!(rule.to_possible_value().unwrap().get_name(), rule.name());
+        }
+        for dataset in Dataset::value_variants() {
+            assert_eq!(dataset.to_possible_value().unwrap().get_name(), dataset.name());
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The commands `refine` and `delaunay`: read, mesh, write, report.
+
+use std::io::Write;
+
+use glam::DVec3;
+use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
+use wellspaced::mesh::MeshView;
+use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport};
+
+use crate::args::{Delaunay, Files, Refine};
+use crate::failure::Failure;
+use crate::progress::Bar;
+use crate::read::{read, Content, Input};
+use crate::report::{status_name, timed, Report, Seconds};
+use crate::write::{write, OutputMesh};
+
+/// `wellspaced refine`.
+pub fn refine(arguments: &Refine) -> Result<(), Failure> {
+    let mut options =
+        RefineOptions { radius_edge: arguments.radius_edge, rule: arguments.rule.into(), ..RefineOptions::default() };
+    if let Some(limit) = arguments.max_vertices {
+        options.max_vertices = limit;
+    }
+    options.check().map_err(Failure::usage)?;
+    let files = &arguments.files;
+    let mut seconds = Seconds::default();
+    let input = open(files, &mut seconds)?;
+    let bar = Bar::new("refine");
+    let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
+    let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
+    drop(bar);
+    save(files, &mesh, report.input_vertices, &mut seconds)?;
+    print(
+        files,
+        &Report {
+            input_vertices: report.input_vertices,
+            vertices: report.vertices,
+            tetrahedra: report.tetrahedra,
+            steiner: report.steiner,
+            bad: Some(report.bad),
+            worst_radius_edge: report.worst_radius_edge,
+            min_dihedral_degrees: report.min_dihedral_degrees,
+            rule: Some(arguments.rule.name()),
+            radius_edge: Some(arguments.radius_edge),
+            status: status_name(report.status),
+            seconds,
+        },
+    )
+}
+
+/// Triangulates and refines: a domain as given, points in their convex hull.
+pub fn refined(
+    content: &Content,
+    options: &RefineOptions,
+    control: &Control,
+    seconds: &mut Seconds,
+) -> Result<(Mesh, RefineReport), Error> {
+    let mut mesh = timed(&mut seconds.delaunay, || match content {
+        Content::Domain(plc) => Mesh::from_plc(plc, control),
+        Content::Points(points) => {
+            let mut mesh = triangulated(points, control)?;
+            mesh.use_hull_as_domain()?;
+            Ok(mesh)
+        }
+    })?;
+    let report = timed(&mut seconds.refine, || mesh.refine(options, control))?;
+    Ok((mesh, report))
+}
+
+/// `wellspaced delaunay`.
+pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
+    let files = &arguments.files;
+    let mut seconds = Seconds::default();
+    let input = open(files, &mut seconds)?;
+    let bar = Bar::new("delaunay");
+    let control = bar.control();
+    let mesh = timed(&mut seconds.delaunay, || triangulated(input.content.points(), &control));
+    let mesh = mesh.map_err(|error| input.source.explain(&error))?;
+    drop(bar);
+    let vertices = mesh.triangulation().vertex_count();
+    save(files, &mesh, vertices, &mut seconds)?;
+    let view = mesh.view();
+    let (worst_radius_edge, min_dihedral_degrees) = extremes(&view);
+    print(
+        files,
+        &Report {
+            input_vertices: vertices,
+            vertices,
+            tetrahedra: view.tetrahedra.len(),
+            steiner: 0,
+            bad: None,
+            worst_radius_edge,
+            min_dihedral_degrees,
+            rule: None,
+            radius_edge: None,
+            status: "done",
+            seconds,
+        },
+    )
+}
+
+fn triangulated(points: &[DVec3], control: &Control) -> Result<Mesh, Error> {
+    let mut mesh = Mesh::new();
+    mesh.insert(points, None, control)?;
+    Ok(mesh)
+}
+
+/// The largest radius-edge ratio and the smallest dihedral angle, as [`RefineReport`] has them.
+fn extremes(view: &MeshView) -> (f64, f64) {
+    let shapes = view.tetrahedra.iter().map(|t| t.map(|corner| view.points[corner as usize]));
+    shapes.fold((0.0, 180.0), |(worst, least), shape| {
+        (f64::max(worst, radius_edge(shape)), f64::min(least, min_dihedral_degrees(shape)))
+    })
+}
+
+/// Reads the input, having looked first whether the outputs can be written.
+fn open(files: &Files, seconds: &mut Seconds) -> Result<Input, Failure> {
+    for output in &files.outputs {
+        output.check(&[&files.input.path])?;
+    }
+    let input = timed(&mut seconds.read, || read(&files.input))?;
+    for output in &files.outputs {
+        output.check(&input.source.files())?;
+    }
+    Ok(input)
+}
+
+fn save(files: &Files, mesh: &Mesh, input_vertices: usize, seconds: &mut Seconds) -> Result<(), Failure> {
+    if files.outputs.is_empty() {
+        return Ok(());
+    }
+    timed(&mut seconds.write, || write(&files.outputs, &OutputMesh::new(mesh.view(), input_vertices)))
+}
+
+fn print(files: &Files, report: &Report) -> Result<(), Failure> {
+    let text = if files.json { report.json() + "\n" } else { report.text() };
+    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::stdout)
+}

@@ -1,0 +1,112 @@
+//! Input files by their ending: `.poly` is a domain, `.node` and `.xyz` are points.
+
+mod fields;
+mod node;
+mod poly;
+mod source;
+mod xyz;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use wellspaced::Plc;
+
+pub use source::Source;
+
+use crate::failure::Failure;
+
+/// The kinds of files that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Poly,
+    Node,
+    Xyz,
+}
+
+/// A file to read, whose ending is known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    pub path: PathBuf,
+    pub format: Format,
+}
+
+impl InputFile {
+    /// Takes a command-line argument.
+    pub fn parse(argument: &str) -> Result<Self, String> {
+        let path = PathBuf::from(argument);
+        let format = match ending(&path).as_deref() {
+            Some("poly") => Format::Poly,
+            Some("node") => Format::Node,
+            Some("xyz") => Format::Xyz,
+            _ => return Err("unknown ending, expected .poly, .node or .xyz".to_owned()),
+        };
+        Ok(InputFile { path, format })
+    }
+}
+
+/// The ending of a file's name in lower case.
+pub fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    Domain(Plc),
+    Points(Vec<DVec3>),
+}
+
+impl Content {
+    pub fn points(&self) -> &[DVec3] {
+        match self {
+            Content::Domain(plc) => &plc.points,
+            Content::Points(points) => points,
+        }
+    }
+}
+
+/// A file's content and where it stands in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    pub content: Content,
+    pub source: Source,
+}
+
+/// Reads a file.
+pub fn read(file: &InputFile) -> Result<Input, Failure> {
+    parse(&file.path, file.format, &read_file(&file.path)?)
+}
+
+/// Reads the content of a file.
+pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure> {
+    let mut source = Source::new(path);
+    let content = match format {
+        Format::Poly => Content::Domain(poly::parse_poly(path, bytes, &mut source)?),
+        Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
+        Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
+    };
+    Ok(Input { content, source })
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(|error| Failure::in_file(path, error))
+}
+
+fn too_many(count: usize, what: &str) -> String {
+    format!("{count} {what}, but 32-bit indices can't number so many")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_decide_and_case_does_not_matter() {
+        assert_eq!(InputFile::parse("a/b.POLY").unwrap().format, Format::Poly);
+        assert_eq!(InputFile::parse("b.node").unwrap().format, Format::Node);
+        assert_eq!(InputFile::parse("c.d.Xyz").unwrap().format, Format::Xyz);
+        for wrong in ["b.stl", "b", "", "poly", ".poly"] {
+            assert!(InputFile::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Where in the user's files each element stands, so that what the core finds wrong later is still named by file,
+//! line and the number that the file gives it.
+
+use std::path::{Path, PathBuf};
+
+use wellspaced::{DomainElement, Error};
+
+use super::fields::Numbered;
+use crate::failure::Failure;
+
+/// The line and number of one element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The line, from 1.
+    pub line: usize,
+    /// The element's number in the file.
+    pub number: usize,
+}
+
+/// The places of all elements of an input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file the user named.
+    pub path: PathBuf,
+    /// The file of the points: a `.poly` may leave them to its `.node`.
+    pub points_path: PathBuf,
+    /// Whether elements are numbered from 0 or from 1.
+    pub base: usize,
+    /// The line of each point.
+    pub points: Vec<u32>,
+    pub segments: Vec<Place>,
+    pub facets: Vec<Place>,
+    pub holes: Vec<Place>,
+    pub regions: Vec<Place>,
+}
+
+impl Source {
+    pub fn new(path: &Path) -> Self {
+        Source {
+            path: path.to_owned(),
+            points_path: path.to_owned(),
+            base: 0,
+            points: Vec::new(),
+            segments: Vec::new(),
+            facets: Vec::new(),
+            holes: Vec::new(),
+            regions: Vec::new(),
+        }
+    }
+
+    /// The files that were read.
+    pub fn files(&self) -> [&Path; 2] {
+        [&self.path, &self.points_path]
+    }
+
+    /// The core's error as a line that names this input's file, line and element.
+    pub fn explain(&self, error: &Error) -> Failure {
+        match error {
+            Error::NotFinite { index, .. } => self.point(*index, "a coordinate is not finite"),
+            Error::OutOfRange { index, .. } => self.point(
+                *index,
+                "a coordinate is outside the range of the exact predicates (0, or a magnitude from 2^-142 to 2^201)",
+            ),
+            Error::InvalidDomain { element, problem } => self.element(*element, problem),
+            other => Failure::in_file(&self.path, other),
+        }
+    }
+
+    fn point(&self, index: usize, problem: &str) -> Failure {
+        let element = Numbered("point", index + self.base);
+        match self.points.get(index) {
+            Some(&line) => Failure::in_line(&self.points_path, line as usize, element, problem),
+            None => Failure::in_file(&self.points_path, format_args!("{element}: {problem}")),
+        }
+    }
+
+    fn element(&self, element: DomainElement, problem: &str) -> Failure {
+        let (name, places, index) = match element {
+            DomainElement::Point(index) => return self.point(index, problem),
+            // The file has them as facets without a polygon that spans a plane.
+            DomainElement::Segment(index) => ("segment of facet", &self.segments, index),
+            DomainElement::Facet(index) => ("facet", &self.facets, index),
+            DomainElement::Hole(index) => ("hole", &self.holes, index),
+            DomainElement::Region(index) => ("region", &self.regions, index),
+            whole => return Failure::in_file(&self.path, format_args!("{whole}: {problem}")),
+        };
+        match places.get(index) {
+            Some(place) => Failure::in_line(&self.path, place.line, Numbered(name, place.number), problem),
+            None => Failure::in_file(&self.path, format_args!("{element}: {problem}")),
+        }
+    }
+}
