@@ -79,9 +79,114 @@
 #include <stdint.h>
 
 /**
+ * Done.
+ */
+#define WSP_DONE 0
+
+/**
+ * The control was cancelled. Handles are valid and usable; what had been reached is said by the function.
+ */
+#define WSP_CANCELLED 1
+
+/**
+ * The vertex limit was reached. The mesh is valid, but some tetrahedra may exceed the bound.
+ */
+#define WSP_VERTEX_LIMIT 2
+
+/**
+ * Some tetrahedra exceed the bound because mending them needs an edge below the minimum length. The mesh is valid.
+ */
+#define WSP_UNREFINED 3
+
+/**
+ * The list has more elements than the buffer has room for. The buffer is full, the count is that of all.
+ */
+#define WSP_INCOMPLETE 4
+
+/**
+ * A fault of the library, caught. The handle that was being used answers nothing but its `_free` from now on.
+ */
+#define WSP_ERR_INTERNAL -1
+
+/**
+ * A pointer is NULL that must not be.
+ */
+#define WSP_ERR_NULL -2
+
+/**
+ * `struct_size` is none that this library knows: the `_init` was not called, or the header is newer.
+ */
+#define WSP_ERR_STRUCT_SIZE -3
+
+/**
+ * A field of an option struct has a value that it can't have.
+ */
+#define WSP_ERR_OPTION -4
+
+/**
+ * An argument has a value that it can't have, or a pointer is not aligned for its type.
+ */
+#define WSP_ERR_ARGUMENT -5
+
+/**
+ * A coordinate is NaN or infinite.
+ */
+#define WSP_ERR_NOT_FINITE -6
+
+/**
+ * A coordinate other than 0 is smaller than 2^-142 or larger than 2^201 in magnitude.
+ */
+#define WSP_ERR_OUT_OF_RANGE -7
+
+/**
+ * More elements than 32-bit ids can name or memory can hold.
+ */
+#define WSP_ERR_TOO_MANY -8
+
+/**
+ * There is no vertex of this id.
+ */
+#define WSP_ERR_NO_SUCH_VERTEX -9
+
+/**
+ * The two vertices are not joined by an edge.
+ */
+#define WSP_ERR_NO_SUCH_EDGE -10
+
+/**
+ * The domain can't be used; the text names the element.
+ */
+#define WSP_ERR_INVALID_DOMAIN -11
+
+/**
+ * The call needs a domain and there is none, or there is one already.
+ */
+#define WSP_ERR_DOMAIN -12
+
+/**
+ * Memory could not be had.
+ */
+#define WSP_ERR_MEMORY -13
+
+/**
+ * Another call is using the handle: on another thread, or the one whose callback this is.
+ */
+#define WSP_ERR_BUSY -14
+
+/**
+ * The batch is not of the triangulation's present state.
+ */
+#define WSP_ERR_STALE -15
+
+/**
+ * `wsp_triangulation_validate` has found the triangulation wanting; the text says where.
+ */
+#define WSP_ERR_NOT_VALID -16
+
+/**
  * No vertex, no tetrahedron: the id that is never given out.
  */
-#define WSP_NONE 4294967295
+#define WSP_NONE UINT32_MAX
 
 /**
  * The library version that this header belongs to.
@@ -103,6 +208,16 @@
  * programs compiled with any older header of the same number.
  */
 #define WSP_ABI_VERSION 0
+
+/**
+ * Batches of off-centres around the core disk of a bad short edge: section 4 of Jampani and Üngör, 2007.
+ */
+#define WSP_RULE_PAPER 1
+
+/**
+ * One circumcentre at a time: the classical method, for comparison.
+ */
+#define WSP_RULE_CIRCUMCENTER 2
 
 /**
  * A point is at a vertex: `vertices[0]`.
@@ -425,121 +540,6 @@ typedef struct wsp_report {
     double min_dihedral_degrees;
 } wsp_report;
 
-/**
- * Done.
- */
-#define WSP_DONE 0
-
-/**
- * The control was cancelled. Handles are valid and usable; what had been reached is said by the function.
- */
-#define WSP_CANCELLED 1
-
-/**
- * The vertex limit was reached. The mesh is valid, but some tetrahedra may exceed the bound.
- */
-#define WSP_VERTEX_LIMIT 2
-
-/**
- * Some tetrahedra exceed the bound because mending them needs an edge below the minimum length. The mesh is valid.
- */
-#define WSP_UNREFINED 3
-
-/**
- * The list has more elements than the buffer has room for. The buffer is full, the count is that of all.
- */
-#define WSP_INCOMPLETE 4
-
-/**
- * A fault of the library, caught. The handle that was being used answers nothing but its `_free` from now on.
- */
-#define WSP_ERR_INTERNAL -1
-
-/**
- * A pointer is NULL that must not be.
- */
-#define WSP_ERR_NULL -2
-
-/**
- * `struct_size` is none that this library knows: the `_init` was not called, or the header is newer.
- */
-#define WSP_ERR_STRUCT_SIZE -3
-
-/**
- * A field of an option struct has a value that it can't have.
- */
-#define WSP_ERR_OPTION -4
-
-/**
- * An argument has a value that it can't have, or a pointer is not aligned for its type.
- */
-#define WSP_ERR_ARGUMENT -5
-
-/**
- * A coordinate is NaN or infinite.
- */
-#define WSP_ERR_NOT_FINITE -6
-
-/**
- * A coordinate other than 0 is smaller than 2^-142 or larger than 2^201 in magnitude.
- */
-#define WSP_ERR_OUT_OF_RANGE -7
-
-/**
- * More elements than 32-bit ids can name or memory can hold.
- */
-#define WSP_ERR_TOO_MANY -8
-
-/**
- * There is no vertex of this id.
- */
-#define WSP_ERR_NO_SUCH_VERTEX -9
-
-/**
- * The two vertices are not joined by an edge.
- */
-#define WSP_ERR_NO_SUCH_EDGE -10
-
-/**
- * The domain can't be used; the text names the element.
- */
-#define WSP_ERR_INVALID_DOMAIN -11
-
-/**
- * The call needs a domain and there is none, or there is one already.
- */
-#define WSP_ERR_DOMAIN -12
-
-/**
- * Memory could not be had.
- */
-#define WSP_ERR_MEMORY -13
-
-/**
- * Another call is using the handle: on another thread, or the one whose callback this is.
- */
-#define WSP_ERR_BUSY -14
-
-/**
- * The batch is not of the triangulation's present state.
- */
-#define WSP_ERR_STALE -15
-
-/**
- * `wsp_triangulation_validate` has found the triangulation wanting; the text says where.
- */
-#define WSP_ERR_NOT_VALID -16
-
-/**
- * Batches of off-centres around the core disk of a bad short edge: section 4 of Jampani and Üngör, 2007.
- */
-#define WSP_RULE_PAPER 1
-
-/**
- * One circumcentre at a time: the classical method, for comparison.
- */
-#define WSP_RULE_CIRCUMCENTER 2
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -652,7 +652,6 @@ wsp_status wsp_plc_add_points(struct wsp_plc *plc,
  * All or nothing. Constant time.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`low` is not below `high`, or
  * `marker + 5` is too large), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_plc_add_box(struct wsp_plc *plc,
                            const double low[3],
@@ -702,7 +701,6 @@ wsp_status wsp_plc_add_facets(struct wsp_plc *plc,
  * Takes the part of a facet around `p` out of it: the part bounded by the facet's inner polygons. `p` is in the
  * facet's plane; `facet` is its position.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (no such facet), WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_plc_add_facet_hole(struct wsp_plc *plc,
                                   uint32_t facet,
@@ -711,7 +709,6 @@ wsp_status wsp_plc_add_facet_hole(struct wsp_plc *plc,
 /**
  * Takes the volume around `p`, up to the facets that bound it, out of the domain.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_plc_add_hole(struct wsp_plc *plc, const double p[3]);
 
@@ -720,7 +717,6 @@ wsp_status wsp_plc_add_hole(struct wsp_plc *plc, const double p[3]);
  * at most that volume there; 0 asks for nothing.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`max_volume` is negative or not
  * finite, `attribute` is NaN), WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_plc_add_region(struct wsp_plc *plc,
                               const double p[3],
@@ -817,7 +813,6 @@ wsp_status wsp_triangulation_insert(struct wsp_triangulation *triangulation,
  *
  * Cost: a walk from the hint; without one it starts anywhere.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_NO_SUCH_VERTEX (the hint), WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_triangulation_locate(const struct wsp_triangulation *triangulation,
                                     const double p[3],
@@ -850,7 +845,6 @@ wsp_status wsp_triangulation_has_domain(const struct wsp_triangulation *triangul
 /**
  * Where a vertex is: three doubles. Constant time; for many points use wsp_triangulation_view.
  * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_BUSY.
- *
  */
 wsp_status wsp_triangulation_point(const struct wsp_triangulation *triangulation,
                                    uint32_t vertex,
@@ -1017,7 +1011,6 @@ wsp_status wsp_refine(struct wsp_triangulation *triangulation,
  * Cost: linear in n. May be called from any thread at any time.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE,
  * WSP_ERR_ARGUMENT (p = q, too few link vertices, `closed` neither 0 nor 1).
- *
  */
 wsp_status wsp_sample_edge(const double p[3],
                            const double q[3],
@@ -1036,7 +1029,6 @@ wsp_status wsp_sample_edge(const double p[3],
  * Cost: linear in n. May be called from any thread at any time.
  * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_NOT_FINITE,
  * WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT.
- *
  */
 wsp_status wsp_is_bad_edge(const double p[3],
                            const double q[3],

@@ -57,7 +57,7 @@ pub(super) unsafe fn points<'a>(xyz: *const f64, n: usize, name: &str) -> Result
 pub(super) unsafe fn point(p: *const f64, name: &str) -> Result<DVec3, Failure> {
     // SAFETY: as above.
     let point = unsafe { *reference(p.cast::<DVec3>(), name)? };
-    crate::geometry::range::check_points(&[point]).map_err(|error| {
+    crate::geometry::check_points(&[point]).map_err(|error| {
         let Failure { status, text } = error.into();
         // "point 0" would say less than the argument's name.
         Failure::new(status, text.replacen("point 0", name, 1))

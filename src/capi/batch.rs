@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::guard::{call, call_void, Failure};
 use super::options::{rule, rule_number, wsp_rule, wsp_sampler_options};
 use super::status::*;
-use super::steps::wsp_edge;
+use super::steps::{ends, wsp_edge};
 use super::triangulation::wsp_triangulation;
 use super::{args, sized};
 use crate::mesh::{Batch, Origin};
@@ -73,7 +73,8 @@ pub unsafe extern "C" fn wsp_steiner_batch(
         let options = sized::read(options, "options")?;
         let step = StepOptions { radius_edge: args::radius_edge(options.radius_edge)?, rule: rule(options.rule)? };
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
-        let batch = state.mesh.steiner_batch(edge.vertices, &step)?;
+        let edge = ends(state.mesh.triangulation(), edge)?;
+        let batch = state.mesh.steiner_batch(edge, &step)?;
         let points = batch.points.iter().map(|point| point.position).collect();
         let origins = batch.points.iter().map(|point| point.origin.into()).collect();
         args::give(wsp_batch { batch, stamp: state.stamp, rule: rule_number(step.rule), points, origins }, out);

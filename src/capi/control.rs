@@ -3,8 +3,7 @@
 use std::ffi::{c_char, c_void, CString};
 
 use super::args;
-use super::float_env::in_host_mode;
-use super::guard::{call, call_void, Failure};
+use super::guard::{call, call_void, host_code, Failure};
 use super::status::*;
 use crate::{Control, Progress};
 
@@ -61,7 +60,7 @@ impl Callback {
             vertices: progress.vertices,
         };
         // SAFETY: the host's own function with the host's own pointer, as it asked for.
-        in_host_mode(|| unsafe { (self.function)(self.user, &told) }) == 0
+        host_code(|| unsafe { (self.function)(self.user, &told) }) == 0
     }
 }
 

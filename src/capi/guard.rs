@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::panic::{catch_unwind, AssertUnwindSafe, PanicHookInfo};
 use std::sync::Once;
 
-use super::float_env::Computing;
+use super::float_env::{in_host_mode, Computing};
 use super::last_error;
 use super::status::*;
 use crate::Error;
@@ -73,6 +73,20 @@ pub(super) fn call(name: &'static str, body: impl FnOnce() -> Answer) -> wsp_sta
 /// [`call`] for functions that return nothing: a failure leaves its text only.
 pub(super) fn call_void(name: &'static str, body: impl FnOnce() -> Result<(), Failure>) {
     call(name, || body().map(|()| WSP_DONE));
+}
+
+/// Runs the host's own code in the middle of a [`call`]: in the host's floating-point mode, and its panics, if it is
+/// written in Rust, are told as it likes.
+pub(super) fn host_code<T>(callback: impl FnOnce() -> T) -> T {
+    struct Back(Listening);
+    impl Drop for Back {
+        fn drop(&mut self) {
+            let heard = std::mem::replace(&mut self.0, Listening::No);
+            let _ = PANIC.try_with(|panic| panic.replace(heard));
+        }
+    }
+    let _back = Back(PANIC.try_with(|panic| panic.replace(Listening::No)).unwrap_or(Listening::No));
+    in_host_mode(callback)
 }
 
 enum Listening {

@@ -37,7 +37,7 @@ impl<T> Handle<T> {
     pub fn read(&self) -> Result<Read<'_, T>, Failure> {
         let entered = self.calls.fetch_update(Ordering::Acquire, Ordering::Relaxed, |calls| {
             // CHANGING − 1 readers can't be: there are not as many threads.
-            (calls < CHANGING - 1).then_some(calls + 1)
+            (calls < CHANGING - 1).then(|| calls + 1)
         });
         entered.map_err(|_| busy("changing"))?;
         let read = Read { handle: self, panicking: std::thread::panicking() };

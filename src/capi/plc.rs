@@ -4,7 +4,7 @@ use super::args;
 use super::guard::{call, call_void, Failure};
 use super::handle::Handle;
 use super::status::*;
-use crate::geometry::range::check_points;
+use crate::geometry::check_points;
 use crate::{DVec3, Error, Plc, PlcFacet, PlcRegion, PlcSegment};
 
 /// A piecewise linear complex: points, segments, polygonal facets, seeds of holes and of regions.

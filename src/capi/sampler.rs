@@ -6,7 +6,7 @@ use super::guard::{call, Failure};
 use super::options::{rule, wsp_sampler_options};
 use super::status::*;
 use super::{args, sized};
-use crate::geometry::range::check_points;
+use crate::geometry::check_points;
 use crate::sampler;
 
 /// An edge of a foreign triangulation.

@@ -103,3 +103,71 @@ pub(super) unsafe fn write<T: Sized_>(value: &T, ptr: *mut T, name: &str) -> Res
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A struct that has grown once: 8 bytes in its first version, 16 in its second.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Grown {
+        struct_size: u32,
+        old: u32,
+        new: u64,
+    }
+
+    // SAFETY: repr(C), integers only, struct_size first.
+    unsafe impl Sized_ for Grown {
+        const NAME: &'static str = "grown";
+        const SIZES: &'static [usize] = &[8, 16];
+        fn defaults() -> Self {
+            Grown { struct_size: 0, old: 1, new: 2 }
+        }
+    }
+
+    const FILLED: Grown = Grown { struct_size: 77, old: 77, new: 77 };
+
+    #[test]
+    fn an_older_struct_is_read_with_the_defaults_of_what_it_lacks() {
+        let older = Grown { struct_size: 8, old: 5, new: 77 };
+        // SAFETY: live structs at least as large as they say.
+        unsafe {
+            assert_eq!(read(&older, "x").unwrap(), Grown { struct_size: 8, old: 5, new: 2 });
+            let newer = Grown { struct_size: 16, ..older };
+            assert_eq!(read(&newer, "x").unwrap(), newer);
+            assert_eq!(read::<Grown>(std::ptr::null(), "x").unwrap(), Grown::defaults());
+        }
+    }
+
+    #[test]
+    fn nothing_is_written_beyond_an_older_struct() {
+        let mut older = FILLED;
+        // SAFETY: as above.
+        unsafe {
+            init(&mut older, 8, "x").unwrap();
+            assert_eq!(older, Grown { struct_size: 8, old: 1, new: 77 });
+            write(&Grown { struct_size: 0, old: 3, new: 4 }, &mut older, "x").unwrap();
+            assert_eq!(older, Grown { struct_size: 8, old: 3, new: 77 });
+            let mut newer = FILLED;
+            init(&mut newer, 16, "x").unwrap();
+            assert_eq!(newer, Grown { struct_size: 16, old: 1, new: 2 });
+        }
+    }
+
+    #[test]
+    fn other_sizes_are_refused_and_written_nothing() {
+        for size in [0, 4, 12, 24] {
+            let mut it = FILLED;
+            // SAFETY: as above; a size that is not known is not used.
+            unsafe {
+                assert_eq!(init(&mut it, size, "x").unwrap_err().status, WSP_ERR_STRUCT_SIZE);
+                it.struct_size = size as u32;
+                assert_eq!(read(&it, "x").unwrap_err().status, WSP_ERR_STRUCT_SIZE);
+                assert_eq!(write(&Grown::defaults(), &mut it, "x").unwrap_err().status, WSP_ERR_STRUCT_SIZE);
+                assert_eq!(check_out(&mut it, "x").unwrap_err().status, WSP_ERR_STRUCT_SIZE);
+            }
+            assert_eq!(it, Grown { struct_size: size as u32, ..FILLED });
+        }
+    }
+}

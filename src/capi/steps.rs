@@ -4,7 +4,7 @@ use super::args;
 use super::guard::call;
 use super::status::*;
 use super::triangulation::wsp_triangulation;
-use crate::Error;
+use crate::{Error, Triangulation};
 
 /// An edge: the ids of its two vertices, in any order where one is asked for, the lower first where one is given.
 #[repr(C)]
@@ -12,6 +12,14 @@ use crate::Error;
 pub struct wsp_edge {
     /// The ends.
     pub vertices: [u32; 2],
+}
+
+/// The edge's ends, which are vertices (whether they are joined is another question).
+pub(super) fn ends(triangulation: &Triangulation, edge: wsp_edge) -> Result<[u32; 2], Error> {
+    match edge.vertices.into_iter().find(|&vertex| triangulation.point(vertex).is_none()) {
+        Some(vertex) => Err(Error::NoSuchVertex { vertex }),
+        None => Ok(edge.vertices),
+    }
 }
 
 /// Lists the bad short edges for the bound `radius_edge`, shortest first, ties by ids: no tetrahedron is bad if and only
@@ -59,10 +67,7 @@ pub unsafe extern "C" fn wsp_edge_link(
         args::list_out(out, capacity, "out", count)?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
         let triangulation = state.mesh.triangulation();
-        let edge = edge.vertices;
-        if let Some(&vertex) = edge.iter().find(|&&vertex| triangulation.point(vertex).is_none()) {
-            return Err(Error::NoSuchVertex { vertex }.into());
-        }
+        let edge = ends(triangulation, edge)?;
         let (link, ring) = triangulation.link(edge).ok_or(Error::NoSuchEdge { edge })?;
         if !closed.is_null() {
             args::store(closed, ring.into(), "closed")?;
