@@ -336,6 +336,7 @@ struct mesh_view {
     points vertices;                                  // by vertex id
     span<std::array<std::uint32_t, 4>> tetrahedra;    // vertex ids, positively oriented
     span<std::array<std::uint32_t, 4>> neighbours;    // across the face opposite each vertex, or WSP_NONE
+    span<std::uint32_t> regions;                      // of each tetrahedron: 1 + the region's position, or 0
 };
 
 // A Delaunay triangulation, and the domain that it fills once one is set.
@@ -418,7 +419,8 @@ public:
             return span<std::array<std::uint32_t, 4>>(reinterpret_cast<const std::array<std::uint32_t, 4>*>(ids),
                                                       arrays.tetrahedra_count);
         };
-        return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours)};
+        return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours),
+                {arrays.regions, arrays.tetrahedra_count}};
     }
 
     // Throws WSP_ERR_NOT_VALID with what is wrong. For WSP_VALIDATE_QUALITY give the bound.
@@ -449,7 +451,7 @@ public:
         check(wsp_steiner_batch(get(), e, &options, &made));
         return batch(made);
     }
-    // The new vertices' ids.
+    // The vertex of each point, or WSP_NONE for points that could not be inserted.
     std::vector<std::uint32_t> insert(const batch& steiner) {
         std::vector<std::uint32_t> ids(steiner.size());
         check(wsp_triangulation_insert_batch(get(), steiner.get(), ids.data()));

@@ -123,9 +123,7 @@ pub(super) fn flag(value: u32, name: &str) -> Result<bool, Failure> {
 
 /// The value of a bound on the radius-edge ratio.
 pub(super) fn radius_edge(value: f64) -> Result<f64, Failure> {
-    if !(value.is_finite() && value >= 1.0) {
-        return Err(Failure::new(WSP_ERR_OPTION, format!("radius_edge is {value}, expected a number of at least 1")));
-    }
+    crate::refine::check_radius_edge(value)?;
     Ok(value)
 }
 

@@ -8,8 +8,8 @@ use super::status::*;
 use super::steps::{ends, wsp_edge};
 use super::triangulation::wsp_triangulation;
 use super::{args, sized};
-use crate::mesh::{Batch, Origin};
-use crate::StepOptions;
+use crate::geometry::flush_tiny;
+use crate::{Batch, Origin, StepOptions, Triangulation};
 
 /// The Steiner points of one step. It never changes, so any thread may read it at any time.
 pub struct wsp_batch {
@@ -52,9 +52,13 @@ impl From<Origin> for wsp_origin {
     }
 }
 
-/// Computes the next step for a bad edge: first what the boundary asks for (the splits of segments and subfacets that the
-/// samples would encroach), otherwise the samples of the component of its Voronoi facet outside the core disk that has the
-/// largest span. The batch is empty if the edge is not bad. Nothing is inserted. `options` may be NULL: the defaults.
+/// Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its subsegments
+/// or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of such splits.
+/// Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that has the largest
+/// span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may be NULL: the
+/// defaults.
+///
+/// Without a domain nothing bounds the samples: they may lie outside the hull. See wsp_triangulation_use_hull_as_domain.
 ///
 /// `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
 /// Cost: that of the edge's neighbourhood.
@@ -83,10 +87,13 @@ pub unsafe extern "C" fn wsp_steiner_batch(
 }
 
 /// Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
-/// computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays the
-/// caller's. `ids` is NULL or has room for wsp_batch_count, and becomes the new vertices' ids.
+/// computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays
+/// the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or WSP_NONE if it
+/// was not inserted, because the points before it have made it encroach upon the boundary: the batches to come split that
+/// first. If none of a batch's points is inserted and the next batch is the same, the edge can't be mended: that would
+/// need edges below 2^-40 of the bounding box.
 ///
-/// All or nothing. Cost: that of the insertions; their place is known.
+/// Cost: that of the insertions.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_insert_batch(
@@ -111,10 +118,19 @@ pub unsafe extern "C" fn wsp_triangulation_insert_batch(
         let new_ids = state.mesh.insert_batch(&batch.batch)?;
         state.changed();
         if !ids.is_null() {
-            std::ptr::copy(new_ids.as_ptr(), ids, new_ids.len().min(batch.points.len()));
+            let all = per_point(state.mesh.triangulation(), &batch.points, &new_ids);
+            std::ptr::copy(all.as_ptr(), ids, all.len());
         }
         Ok(WSP_DONE)
     })
+}
+
+/// The new vertices beside the points that they came from: both are in the same order, but points may be left out.
+fn per_point(triangulation: &Triangulation, points: &[DVec3], new_ids: &[u32]) -> Vec<u32> {
+    let mut new_ids = new_ids.iter().copied().peekable();
+    let id =
+        |&point: &DVec3| new_ids.next_if(|&id| triangulation.point(id) == Some(flush_tiny(point))).unwrap_or(WSP_NONE);
+    points.iter().map(id).collect()
 }
 
 /// Frees a batch; NULL is ignored.

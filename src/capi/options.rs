@@ -65,7 +65,8 @@ pub struct wsp_sampler_options {
     pub struct_size: u32,
     /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
     pub rule: wsp_rule,
-    /// The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
+    /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+    /// Default: 2.
     pub radius_edge: f64,
 }
 
@@ -89,8 +90,9 @@ pub struct wsp_refine_options {
     pub struct_size: u32,
     /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
     pub rule: wsp_rule,
-    /// The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
-    /// Below about 1.1 refinement may never end by itself: keep a limit.
+    /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+    /// Default: 2. From 2 on refinement is sure to end by itself, and it usually does so well below; below about 1.1 it
+    /// goes on until a limit ends it.
     pub radius_edge: f64,
     /// No Steiner point is added nearer than this to a vertex, in the units of the coordinates. 0, the default,
     /// takes 2^-40 of the diagonal of the points' bounding box.

@@ -82,7 +82,7 @@ pub unsafe extern "C" fn wsp_sample_edge(
 /// disk, else 0. Arguments as for wsp_sample_edge; `radius_edge` is the bound.
 ///
 /// Cost: linear in n. May be called from any thread at any time.
-/// Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_NOT_FINITE,
+/// Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_NOT_FINITE,
 /// WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT.
 /// cbindgen:ptrs-as-arrays=[[p; 3], [q; 3]]
 #[unsafe(no_mangle)]

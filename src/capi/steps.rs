@@ -22,12 +22,12 @@ pub(super) fn ends(triangulation: &Triangulation, edge: wsp_edge) -> Result<[u32
     }
 }
 
-/// Lists the bad short edges for the bound `radius_edge`, shortest first, ties by ids: no tetrahedron is bad if and only
-/// if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
+/// Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first, ties by
+/// ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
 /// first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
 ///
 /// Cost: linear in the triangulation, plus sorting, at each call.
-/// Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_BUSY.
+/// Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_bad_short_edges(
     triangulation: *const wsp_triangulation,

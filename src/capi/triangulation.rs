@@ -9,6 +9,7 @@ use super::options::wsp_triangulation_options;
 use super::plc::wsp_plc;
 use super::status::*;
 use super::{args, sized};
+use crate::triangulation::Defect;
 use crate::{Location, Mesh};
 
 /// A Delaunay triangulation of points of any dimension, and the domain that it fills once one is set.
@@ -102,7 +103,8 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 }
 
 /// Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
-/// one that wsp_triangulation_insert would give it.
+/// one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
+/// Delaunay triangulation, or encroached upon by a vertex, they are split, so there may be more vertices than points.
 ///
 /// `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
@@ -111,7 +113,7 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 /// In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
 /// lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
 ///
-/// Cost: that of inserting the points.
+/// Cost: that of inserting the points and splits.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
 /// WSP_ERR_MEMORY, WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
@@ -127,11 +129,12 @@ pub unsafe extern "C" fn wsp_triangulation_from_plc(
         let plc = args::reference(plc, "plc")?.handle.read()?;
         sized::read(options, "options")?.check()?;
         let control = control::core(control)?;
-        let mesh = Mesh::from_plc(&plc, &control)?;
-        if control.is_cancelled() {
-            return Ok(WSP_CANCELLED);
+        match Mesh::from_plc(&plc, &control) {
+            Ok(mesh) => give(mesh, out),
+            // The core has no mesh to give back then, so it calls a cancellation an error.
+            Err(_) if control.is_cancelled() => return Ok(WSP_CANCELLED),
+            Err(error) => return Err(error.into()),
         }
-        give(mesh, out);
         Ok(WSP_DONE)
     })
 }
@@ -197,7 +200,7 @@ pub unsafe extern "C" fn wsp_triangulation_free(triangulation: *mut wsp_triangul
 /// Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
 /// with about a million points a second or two.
 /// Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY,
-/// WSP_ERR_DOMAIN (a point outside the domain that has been set).
+/// WSP_ERR_DOMAIN (there is one: from then on only batches and wsp_refine add points).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_insert(
     triangulation: *mut wsp_triangulation,
@@ -337,9 +340,9 @@ pub unsafe extern "C" fn wsp_triangulation_point(
 pub const WSP_VALIDATE_TOPOLOGY: u32 = 1;
 /// And every tetrahedron is positively oriented.
 pub const WSP_VALIDATE_ORIENTATION: u32 = 2;
-/// And the triangulation is Delaunay, by exact arithmetic.
+/// And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it.
 pub const WSP_VALIDATE_DELAUNAY: u32 = 3;
-/// And no tetrahedron exceeds the bound on the radius-edge ratio.
+/// And no tetrahedron of the domain exceeds the bound on the radius-edge ratio, by exact arithmetic.
 pub const WSP_VALIDATE_QUALITY: u32 = 4;
 
 /// Checks a triangulation from the ground up, for tests and bug reports: WSP_DONE if it holds, WSP_ERR_NOT_VALID with a
@@ -361,15 +364,10 @@ pub unsafe extern "C" fn wsp_triangulation_validate(
             return Err(Failure::new(WSP_ERR_ARGUMENT, format!("level is {level}, expected 1 to 4")));
         }
         let bound = if level == WSP_VALIDATE_QUALITY { Some(args::radius_edge(radius_edge)?) } else { None };
-        let not_valid = |text: String| Failure::new(WSP_ERR_NOT_VALID, text);
+        let not_valid = |defect: Defect| Failure::new(WSP_ERR_NOT_VALID, defect.to_string());
         state.mesh.validate(level.min(WSP_VALIDATE_DELAUNAY)).map_err(not_valid)?;
         if let Some(bound) = bound {
-            // A triangulation without bad short edges has no bad tetrahedron (theorems 1 and 2 of the paper).
-            let bad = state.mesh.bad_short_edges(bound)?;
-            if let Some([p, q]) = bad.first() {
-                let count = bad.len();
-                return Err(not_valid(format!("{count} bad short edges at {bound}, the shortest is {p} {q}")));
-            }
+            state.mesh.validate_quality(bound).map_err(not_valid)?;
         }
         Ok(WSP_DONE)
     })

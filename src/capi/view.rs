@@ -26,6 +26,8 @@ pub struct wsp_mesh_view {
     pub tetrahedra_count: usize,
     /// Four tetrahedra a tetrahedron: the one across the face opposite each vertex, WSP_NONE where there is none.
     pub neighbours: *const u32,
+    /// The region of each tetrahedron: 1 + the position of the wsp_plc_add_region that labels it, 0 for none.
+    pub regions: *const u32,
 }
 
 // SAFETY: repr(C), numbers and raw pointers only, struct_size first.
@@ -42,6 +44,7 @@ unsafe impl Sized_ for wsp_mesh_view {
             tetrahedra: std::ptr::null(),
             tetrahedra_count: 0,
             neighbours: std::ptr::null(),
+            regions: std::ptr::null(),
         }
     }
 }
@@ -68,7 +71,7 @@ fn pointer<T, U>(items: &[T]) -> *const U {
 /// Shows the mesh's arrays in place: nothing is copied for the caller, and nothing is to be freed. The arrays are
 /// valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
 ///
-/// Cost: linear in the mesh at worst.
+/// Cost: the arrays are made at the first call after a change, in linear time; further calls cost nothing.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_view(
@@ -86,6 +89,7 @@ pub unsafe extern "C" fn wsp_triangulation_view(
             tetrahedra: pointer(mesh.tetrahedra),
             tetrahedra_count: mesh.tetrahedra.len(),
             neighbours: pointer(mesh.neighbours),
+            regions: pointer(mesh.regions),
             ..wsp_mesh_view::defaults()
         };
         sized::write(&arrays, view, "view")?;
