@@ -177,8 +177,10 @@ void test_refine() {
     options.radius_edge = 0.3;
     CHECK(thrown([&] { mesh.refine(options); }) == WSP_ERR_OPTION);
 
-    wsp::triangulation points_only;
+    wsp::triangulation points_only;  // whose hull is a cube
     points_only.insert(scattered(100));
+    for (int i = 0; i < 8; ++i)
+        points_only.insert(wsp::point{i & 1 ? 2.0 : -1.0, i & 2 ? 2.0 : -1.0, i & 4 ? 2.0 : -1.0});
     CHECK(!points_only.has_domain());
     points_only.use_hull_as_domain();
     CHECK(points_only.refine(2.0).bad == 0);

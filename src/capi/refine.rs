@@ -17,19 +17,19 @@ pub struct wsp_report {
     pub struct_size: u32,
     /// What wsp_refine returned.
     pub status: wsp_status,
-    /// Vertices before.
+    /// Vertices that are no Steiner points.
     pub input_vertices: usize,
     /// Vertices now.
     pub vertices: usize,
     /// Tetrahedra of the domain now.
     pub tetrahedra: usize,
-    /// Vertices added: the sum of the next three.
+    /// Vertices that are Steiner points: those of earlier calls and of the domain's recovery too.
     pub steiner: usize,
-    /// Vertices added by the sampling rule.
+    /// Vertices that this call has added by the sampling rule.
     pub samples: usize,
-    /// Vertices added to split segments.
+    /// Vertices that this call has added to split segments.
     pub segment_splits: usize,
-    /// Vertices added to split subfacets.
+    /// Vertices that this call has added to split subfacets.
     pub facet_splits: usize,
     /// Tetrahedra of the domain that exceed the bound; 0 after WSP_DONE.
     pub bad: usize,

@@ -184,7 +184,8 @@ fn a_box_is_refined_to_the_bound() {
             done(wsp_triangulation_from_plc(plc.0, null(), null_mut(), &mut t));
             let t = Owned(t);
             drop(plc);
-            assert!(t.counts().0 >= 68);
+            let before = t.counts().0;
+            assert!(before >= 68);
             done(wsp_triangulation_validate(t.0, WSP_VALIDATE_DELAUNAY, 0.0));
             let mut has_domain = 9;
             done(wsp_triangulation_has_domain(t.0, &mut has_domain));
@@ -201,7 +202,8 @@ fn a_box_is_refined_to_the_bound() {
             assert_eq!((report.status, report.bad, report.input_vertices), (WSP_DONE, 0, 68));
             assert_eq!((report.vertices, report.tetrahedra), (t.view().points_count, t.view().tetrahedra_count));
             assert_eq!(report.steiner, report.vertices - 68);
-            assert_eq!(report.steiner, report.samples + report.segment_splits + report.facet_splits);
+            let added = report.samples + report.segment_splits + report.facet_splits;
+            assert_eq!(added, report.vertices - before);
             assert!(report.steiner > 0 && report.worst_radius_edge <= bound * (1.0 + 1e-12));
             assert!(report.min_dihedral_degrees > 0.0 && report.min_dihedral_degrees < 70.6);
             done(wsp_triangulation_validate(t.0, WSP_VALIDATE_QUALITY, bound));
@@ -245,12 +247,13 @@ fn limits_end_a_refinement_with_their_status() {
 
 #[test]
 fn an_unusable_complex_gives_out_nothing() {
-    // Facets that leave the surface open.
-    let plc = with_corners();
+    // A facet and no volume.
+    let plc = OwnedPlc::new();
     let (vertices, starts) = ([0u32, 1, 2], [0usize, 3]);
     let mut t = null_mut();
-    // SAFETY: a live handle, arrays of the sizes given.
+    // SAFETY: a live handle, arrays of the size given.
     unsafe {
+        done(wsp_plc_add_points(plc.0, CORNERS.as_ptr().cast(), 3, null(), null_mut()));
         done(wsp_plc_add_facets(plc.0, vertices.as_ptr(), starts.as_ptr(), 1, null(), 1, null(), null_mut()));
         expect(WSP_ERR_INVALID_DOMAIN, wsp_triangulation_from_plc(plc.0, null(), null_mut(), &mut t));
     }

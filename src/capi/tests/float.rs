@@ -27,7 +27,8 @@ fn results_do_not_depend_on_the_hosts_mode() {
 
 #[test]
 fn refinement_does_not_depend_on_the_hosts_mode() {
-    let points = scattered(50, 2);
+    let mut points = scattered(50, 2);
+    points.extend((0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -1.0 } else { 2.0 })));
     let refined = |mode: Mode| {
         let t = Owned::of(&points);
         // SAFETY: a live handle.
