@@ -1,0 +1,1045 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+/**
+ * @file wellspaced.h
+ * wellspaced: sparse well-spaced Delaunay refinement.
+ *
+ * Points or a piecewise linear domain in, a Delaunay mesh of quality tetrahedra with few elements out. The method is
+ * that of R. Jampani and A. Uengoer, "Construction of Sparse Well-spaced Point Sets for Quality Tetrahedralizations",
+ * 16th International Meshing Roundtable, 2007. This header is the manual; wellspaced/wellspaced.hpp is a C++17
+ * face over it.
+ *
+ * Example
+ * -------
+ *
+ *     double xyz[300];                                      // 100 points of yours in the box
+ *     const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
+ *     wsp_plc *plc = NULL;
+ *     wsp_triangulation *mesh = NULL;
+ *     wsp_refine_options options;
+ *     wsp_mesh_view view;
+ *
+ *     wsp_plc_new(&plc);
+ *     wsp_plc_add_box(plc, low, high, 1, NULL);             // 8 points, 6 facets
+ *     wsp_plc_add_points(plc, xyz, 100, NULL, NULL);
+ *     if (wsp_triangulation_from_plc(plc, NULL, NULL, &mesh) < 0)
+ *         fprintf(stderr, "%s\n", wsp_last_error());
+ *     wsp_refine_options_init(&options, sizeof options);
+ *     options.radius_edge = 2.0;
+ *     if (wsp_refine(mesh, &options, NULL, NULL) < 0)
+ *         fprintf(stderr, "%s\n", wsp_last_error());
+ *     wsp_mesh_view_init(&view, sizeof view);
+ *     wsp_triangulation_view(mesh, &view);                  // points and tetrahedra, in place
+ *     wsp_triangulation_free(mesh);
+ *     wsp_plc_free(plc);
+ *
+ * Three ways in
+ * -------------
+ * - One call: wsp_triangulation_from_plc or wsp_triangulation_insert, then wsp_refine.
+ * - Step by step: wsp_bad_short_edges, wsp_steiner_batch of one, wsp_triangulation_insert_batch, until there are none.
+ * - Your own triangulation: wsp_is_bad_edge and wsp_sample_edge need only an edge and the vertices around it.
+ *
+ * Conventions
+ * -----------
+ * - Status. Functions return a wsp_status: 0 done, above 0 usable but not complete, below 0 an error. After an error
+ *   nothing has been changed, and wsp_last_error says why, with the offending point or element. In the lists of
+ *   errors below, every function that takes a handle can also return WSP_ERR_INTERNAL.
+ * - Ownership. What a _new, _from_ or _batch function gives out is the caller's, to be freed by the _free of its type;
+ *   _free(NULL) does nothing. Nothing else is ever freed across the boundary. Arrays that are passed in are only
+ *   read during the call, and may overlap those that the call fills; those that it fills must not overlap
+ *   one another.
+ * - NULL. Pointers must not be NULL unless the function says so: WSP_ERR_NULL otherwise. An array of no elements may
+ *   be NULL.
+ * - Structs that begin with struct_size are filled by their _init(&s, sizeof s) before use. Later versions append
+ *   fields; programs compiled with an older header keep working. An unknown size or value is an error.
+ * - Lists are two-call: ask for the count with capacity 0, then pass a buffer. A buffer that is too small is filled
+ *   and the status is WSP_INCOMPLETE.
+ * - Views (wsp_triangulation_view, wsp_batch_points) point into the handle and are valid until the next call that
+ *   changes or frees it.
+ * - Threads. Distinct handles may be used from distinct threads at once, and calls that take the handle as const on one
+ *   handle too. A call that changes a handle excludes all others on it: lock, or get WSP_ERR_BUSY. The exception
+ *   are the _free functions, which must be the last on a handle.
+ * - Callbacks run on the thread that made the call. They must return: no exception or longjmp may leave them.
+ * - Faults. A panic within the library is caught: WSP_ERR_INTERNAL, and that handle answers nothing but its _free
+ *   from then on.
+ * - Units. Coordinates and lengths are in the caller's units, angles in radians unless the name says degrees. Points
+ *   are three doubles x y z. Finite coordinates of magnitude 0 or 2^-142 to 2^201 are accepted.
+ * - Floating point. Every function works in round-to-nearest without flushing of denormals, whatever mode the caller
+ *   is in, and restores that mode and its flags on return (x86-64 and aarch64; on other processors call in
+ *   round-to-nearest).
+ * - Determinism. The same calls give the same results, on any thread.
+ */
+
+
+#ifndef WELLSPACED_H
+#define WELLSPACED_H
+
+/* Made by cbindgen from src/capi. Do not edit: change the comments there and run script/header. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * Done.
+ */
+#define WSP_DONE 0
+
+/**
+ * The control was cancelled. Handles are valid and usable; what had been reached is said by the function.
+ */
+#define WSP_CANCELLED 1
+
+/**
+ * The vertex limit was reached. The mesh is valid, but some tetrahedra may exceed the bound.
+ */
+#define WSP_VERTEX_LIMIT 2
+
+/**
+ * Some tetrahedra exceed the bound because mending them needs an edge below the minimum length. The mesh is valid.
+ */
+#define WSP_UNREFINED 3
+
+/**
+ * The list has more elements than the buffer has room for. The buffer is full, the count is that of all.
+ */
+#define WSP_INCOMPLETE 4
+
+/**
+ * A fault of the library, caught. The handle that was being used answers nothing but its `_free` from now on.
+ */
+#define WSP_ERR_INTERNAL -1
+
+/**
+ * A pointer is NULL that must not be.
+ */
+#define WSP_ERR_NULL -2
+
+/**
+ * `struct_size` is none that this library knows: the `_init` was not called, or the header is newer.
+ */
+#define WSP_ERR_STRUCT_SIZE -3
+
+/**
+ * A field of an option struct has a value that it can't have.
+ */
+#define WSP_ERR_OPTION -4
+
+/**
+ * An argument has a value that it can't have, or a pointer is not aligned for its type.
+ */
+#define WSP_ERR_ARGUMENT -5
+
+/**
+ * A coordinate is NaN or infinite.
+ */
+#define WSP_ERR_NOT_FINITE -6
+
+/**
+ * A coordinate other than 0 is smaller than 2^-142 or larger than 2^201 in magnitude.
+ */
+#define WSP_ERR_OUT_OF_RANGE -7
+
+/**
+ * More elements than 32-bit ids can name or memory can hold.
+ */
+#define WSP_ERR_TOO_MANY -8
+
+/**
+ * There is no vertex of this id.
+ */
+#define WSP_ERR_NO_SUCH_VERTEX -9
+
+/**
+ * The two vertices are not joined by an edge.
+ */
+#define WSP_ERR_NO_SUCH_EDGE -10
+
+/**
+ * The domain can't be used; the text names the element.
+ */
+#define WSP_ERR_INVALID_DOMAIN -11
+
+/**
+ * The call needs a domain and there is none, or there is one already.
+ */
+#define WSP_ERR_DOMAIN -12
+
+/**
+ * Memory could not be had.
+ */
+#define WSP_ERR_MEMORY -13
+
+/**
+ * Another call is using the handle: on another thread, or the one whose callback this is.
+ */
+#define WSP_ERR_BUSY -14
+
+/**
+ * The batch is not of the triangulation's present state.
+ */
+#define WSP_ERR_STALE -15
+
+/**
+ * `wsp_triangulation_validate` has found the triangulation wanting; the text says where.
+ */
+#define WSP_ERR_NOT_VALID -16
+
+/**
+ * No vertex, no tetrahedron: the id that is never given out.
+ */
+#define WSP_NONE UINT32_MAX
+
+/**
+ * The library version that this header belongs to.
+ */
+#define WSP_VERSION_MAJOR 0
+
+/**
+ * See WSP_VERSION_MAJOR.
+ */
+#define WSP_VERSION_MINOR 1
+
+/**
+ * See WSP_VERSION_MAJOR.
+ */
+#define WSP_VERSION_PATCH 0
+
+/**
+ * The version of the binary interface, also the number in the library's SONAME: libraries of one number serve
+ * programs compiled with any older header of the same number.
+ */
+#define WSP_ABI_VERSION 0
+
+/**
+ * Batches of off-centres around the core disk of a bad short edge: section 4 of Jampani and Üngör, 2007.
+ */
+#define WSP_RULE_PAPER 1
+
+/**
+ * One circumcentre at a time: the classical method, for comparison.
+ */
+#define WSP_RULE_CIRCUMCENTER 2
+
+/**
+ * A point is at a vertex: `vertices[0]`.
+ */
+#define WSP_AT_VERTEX 0
+
+/**
+ * A point is inside an edge: `vertices[0..2]`.
+ */
+#define WSP_IN_EDGE 1
+
+/**
+ * A point is inside a triangle: `vertices[0..3]`.
+ */
+#define WSP_IN_FACE 2
+
+/**
+ * A point is inside a tetrahedron: `vertices[0..4]`.
+ */
+#define WSP_IN_TETRAHEDRON 3
+
+/**
+ * A point is outside the convex hull, or the triangulation has no tetrahedra and no vertex there.
+ */
+#define WSP_OUTSIDE 4
+
+/**
+ * Every tetrahedron's neighbours know it, every vertex has a tetrahedron, the surface is closed.
+ */
+#define WSP_VALIDATE_TOPOLOGY 1
+
+/**
+ * And every tetrahedron is positively oriented.
+ */
+#define WSP_VALIDATE_ORIENTATION 2
+
+/**
+ * And the triangulation is Delaunay, by exact arithmetic.
+ */
+#define WSP_VALIDATE_DELAUNAY 3
+
+/**
+ * And no tetrahedron exceeds the bound on the radius-edge ratio.
+ */
+#define WSP_VALIDATE_QUALITY 4
+
+/**
+ * The point is a sample of the rule, in the interior.
+ */
+#define WSP_ORIGIN_SAMPLE 0
+
+/**
+ * The point splits the boundary's subsegment `vertices[0..2]`.
+ */
+#define WSP_ORIGIN_SEGMENT 1
+
+/**
+ * The point splits the boundary's subfacet `vertices[0..3]`.
+ */
+#define WSP_ORIGIN_SUBFACET 2
+
+/**
+ * The Steiner points of one step. It never changes, so any thread may read it at any time.
+ */
+typedef struct wsp_batch wsp_batch;
+
+/**
+ * A handle through which long calls are followed and cancelled.
+ *
+ * Give it to as many calls as you like, one after the other or at once. Everything but its `_free` may be called
+ * from any thread at any time.
+ */
+typedef struct wsp_control wsp_control;
+
+/**
+ * A piecewise linear complex: points, segments, polygonal facets, seeds of holes and of regions.
+ *
+ * Points are named by their position in it, from 0 in the order in which they were added. Facets are planar sets of
+ * polygons. Adding only checks what can be checked at once; wsp_triangulation_from_plc judges the whole.
+ */
+typedef struct wsp_plc wsp_plc;
+
+/**
+ * A Delaunay triangulation of points of any dimension, and the domain that it fills once one is set.
+ */
+typedef struct wsp_triangulation wsp_triangulation;
+
+/**
+ * What a call came to: 0 done; above 0 usable but not complete; below 0 an error, and nothing was changed.
+ * Numbers are never reused. A later version may return new ones: test the sign first.
+ */
+typedef int32_t wsp_status;
+
+/**
+ * Options of a triangulation. Fill it with wsp_triangulation_options_init, or pass NULL for the defaults.
+ */
+typedef struct wsp_triangulation_options {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t flags;
+} wsp_triangulation_options;
+
+/**
+ * How Steiner points are chosen: one of the WSP_RULE_ constants.
+ */
+typedef uint32_t wsp_rule;
+
+/**
+ * What the sampler aims at. Fill it with wsp_sampler_options_init, or pass NULL for the defaults.
+ */
+typedef struct wsp_sampler_options {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * How Steiner points are chosen. Default: WSP_RULE_PAPER.
+     */
+    wsp_rule rule;
+    /**
+     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
+     */
+    double radius_edge;
+} wsp_sampler_options;
+
+/**
+ * What a refinement shall reach and when it shall stop. Fill it with wsp_refine_options_init, or pass NULL for
+ * the defaults.
+ */
+typedef struct wsp_refine_options {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * How Steiner points are chosen. Default: WSP_RULE_PAPER.
+     */
+    wsp_rule rule;
+    /**
+     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
+     * Below about 1.1 refinement may never end by itself: keep a limit.
+     */
+    double radius_edge;
+    /**
+     * No Steiner point is added nearer than this to a vertex, in the units of the coordinates. 0, the default,
+     * takes 2^-40 of the diagonal of the points' bounding box.
+     */
+    double min_edge;
+    /**
+     * No vertex is added beyond this many, input included. Default: 100 million.
+     */
+    size_t max_vertices;
+} wsp_refine_options;
+
+/**
+ * How far a call has come. Valid during the callback only; fields may be appended in later versions.
+ */
+typedef struct wsp_progress {
+    /**
+     * The size of the struct that the library fills.
+     */
+    uint32_t struct_size;
+    /**
+     * 0.
+     */
+    uint32_t flags;
+    /**
+     * What is being done now: "delaunay", "boundary", "refine".
+     */
+    const char *stage;
+    /**
+     * From 0 to 1 within the stage. An estimate: refinement can't know its end.
+     */
+    double fraction;
+    /**
+     * Vertices of the triangulation now.
+     */
+    size_t vertices;
+} wsp_progress;
+
+/**
+ * Told now and then how far a call has come; returns 0 to go on and anything else to cancel.
+ *
+ * It runs on the thread that made the call, in the floating-point mode in which that thread called. It must
+ * return: no exception and no longjmp may leave it (the C++ face sees to that). It must not use the handle of the
+ * call that it runs in (WSP_ERR_BUSY); others are free.
+ */
+typedef int32_t (*wsp_progress_callback)(void *user, const struct wsp_progress *progress);
+
+/**
+ * Where a point is.
+ */
+typedef struct wsp_location {
+    /**
+     * WSP_AT_VERTEX, WSP_IN_EDGE, WSP_IN_FACE, WSP_IN_TETRAHEDRON or WSP_OUTSIDE.
+     */
+    uint32_t kind;
+    /**
+     * The vertices of what the point is in; WSP_NONE for the rest.
+     */
+    uint32_t vertices[4];
+} wsp_location;
+
+/**
+ * The arrays of a mesh. Fill it with wsp_mesh_view_init before it is given to a function.
+ *
+ * Vertices are numbered by id, tetrahedra by their place in the array. An array without elements may be NULL.
+ */
+typedef struct wsp_mesh_view {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * 0.
+     */
+    uint32_t flags;
+    /**
+     * Three coordinates a vertex id, `3 * points_count` doubles. Ids without a vertex hold NaN.
+     */
+    const double *points;
+    /**
+     * Vertex ids run from 0 to one below this.
+     */
+    size_t points_count;
+    /**
+     * Four vertex ids a tetrahedron a b c d, positively oriented: det[b-a, c-a, d-a] > 0.
+     */
+    const uint32_t *tetrahedra;
+    /**
+     * The number of tetrahedra: those of the domain, or without a domain those of the hull.
+     */
+    size_t tetrahedra_count;
+    /**
+     * Four tetrahedra a tetrahedron: the one across the face opposite each vertex, WSP_NONE where there is none.
+     */
+    const uint32_t *neighbours;
+} wsp_mesh_view;
+
+/**
+ * An edge: the ids of its two vertices, in any order where one is asked for, the lower first where one is given.
+ */
+typedef struct wsp_edge {
+    /**
+     * The ends.
+     */
+    uint32_t vertices[2];
+} wsp_edge;
+
+/**
+ * Where a Steiner point comes from.
+ */
+typedef struct wsp_origin {
+    /**
+     * WSP_ORIGIN_SAMPLE, WSP_ORIGIN_SEGMENT or WSP_ORIGIN_SUBFACET.
+     */
+    uint32_t kind;
+    /**
+     * The vertices of what the point splits; WSP_NONE for the rest.
+     */
+    uint32_t vertices[3];
+} wsp_origin;
+
+/**
+ * What a refinement did, and the mesh's quality now. Fill it with wsp_report_init before it is given to wsp_refine.
+ */
+typedef struct wsp_report {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * What wsp_refine returned.
+     */
+    wsp_status status;
+    /**
+     * Vertices before.
+     */
+    size_t input_vertices;
+    /**
+     * Vertices now.
+     */
+    size_t vertices;
+    /**
+     * Tetrahedra of the domain now.
+     */
+    size_t tetrahedra;
+    /**
+     * Vertices added: the sum of the next three.
+     */
+    size_t steiner;
+    /**
+     * Vertices added by the sampling rule.
+     */
+    size_t samples;
+    /**
+     * Vertices added to split segments.
+     */
+    size_t segment_splits;
+    /**
+     * Vertices added to split subfacets.
+     */
+    size_t facet_splits;
+    /**
+     * Tetrahedra of the domain that exceed the bound; 0 after WSP_DONE.
+     */
+    size_t bad;
+    /**
+     * The largest circumradius over shortest edge in the domain; 0 without tetrahedra.
+     */
+    double worst_radius_edge;
+    /**
+     * The smallest dihedral angle in the domain, in degrees; 180 without tetrahedra.
+     */
+    double min_dihedral_degrees;
+} wsp_report;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The version of the library that is loaded, as "major.minor.patch". The string is static: never free it.
+ * Never fails.
+ */
+const char *wsp_version(void);
+
+/**
+ * The WSP_ABI_VERSION of the library that is loaded; compare it with the header's. Never fails.
+ */
+uint32_t wsp_abi_version(void);
+
+/**
+ * A few words for a status, such as "done"; "unknown status" for a number that has no meaning. The string is
+ * static: never free it. Never fails.
+ */
+const char *wsp_status_string(wsp_status status);
+
+/**
+ * What the calling thread's last failure was about: the function, the reason, and the offending point or element
+ * ("" before the first failure). Calls that succeed leave it as it is. The string belongs to the library and is
+ * valid until the next call that fails on the same thread. Never fails.
+ */
+const char *wsp_last_error(void);
+
+/**
+ * Fills `options` with defaults. `size` is `sizeof *options`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_triangulation_options_init(struct wsp_triangulation_options *options, size_t size);
+
+/**
+ * Fills `options` with defaults. `size` is `sizeof *options`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_sampler_options_init(struct wsp_sampler_options *options, size_t size);
+
+/**
+ * Fills `options` with defaults. `size` is `sizeof *options`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_refine_options_init(struct wsp_refine_options *options, size_t size);
+
+/**
+ * Makes a control. `callback` may be NULL: the control then only cancels. `user` is handed to the callback as it
+ * is and may be NULL; what it points to must live as long as the control is in use, and stand the threads that
+ * the control's calls run on.
+ *
+ * `*out` belongs to the caller: free it with wsp_control_free. On an error it is NULL.
+ * Errors: WSP_ERR_NULL.
+ */
+wsp_status wsp_control_new(wsp_progress_callback callback,
+                           void *user,
+                           struct wsp_control **out);
+
+/**
+ * Frees a control; NULL is ignored. Calls that are running with it keep what they need of it, the callback and
+ * its `user` included.
+ */
+void wsp_control_free(struct wsp_control *control);
+
+/**
+ * Asks every call that runs with `control`, and every later one, to stop soon, until wsp_control_reset. They return
+ * WSP_CANCELLED. Any thread may call this, a callback too. Constant time.
+ * Errors: WSP_ERR_NULL.
+ */
+wsp_status wsp_control_cancel(struct wsp_control *control);
+
+/**
+ * Takes a cancellation back, the callback's too, so that the control can be used again. Any thread. Constant time.
+ * Errors: WSP_ERR_NULL.
+ */
+wsp_status wsp_control_reset(struct wsp_control *control);
+
+/**
+ * Makes an empty complex.
+ *
+ * `*out` belongs to the caller: free it with wsp_plc_free. On an error it is NULL.
+ * Errors: WSP_ERR_NULL.
+ */
+wsp_status wsp_plc_new(struct wsp_plc **out);
+
+/**
+ * Frees a complex; NULL is ignored. Called while another call uses the handle it frees nothing and leaves a text for
+ * wsp_last_error.
+ */
+void wsp_plc_free(struct wsp_plc *plc);
+
+/**
+ * Adds `n` points, three doubles each. `markers` is NULL or has the caller's own number for each (otherwise 0).
+ * `first` is NULL or becomes the position of the first of them; the others follow.
+ *
+ * All or nothing. The arrays are copied. Cost: linear.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_points(struct wsp_plc *plc,
+                              const double *xyz,
+                              size_t n,
+                              const int32_t *markers,
+                              uint32_t *first);
+
+/**
+ * Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in x,
+ * y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
+ * markers `marker` to `marker + 5`. `first` is NULL or becomes the position of the first of the points.
+ *
+ * All or nothing. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`low` is not below `high`, or
+ * `marker + 5` is too large), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_box(struct wsp_plc *plc,
+                           const double low[3],
+                           const double high[3],
+                           int32_t marker,
+                           uint32_t *first);
+
+/**
+ * Adds `n` segments, two positions of points each (a facet's sides need not be added). `markers` is NULL or has the
+ * caller's own number for each (otherwise 0).
+ *
+ * All or nothing. The arrays are copied. Cost: linear.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (two equal ends),
+ * WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_segments(struct wsp_plc *plc,
+                                const uint32_t *ends,
+                                size_t n,
+                                const int32_t *markers);
+
+/**
+ * Adds planar facets as two lists of lists. Polygon i is the ring of the points
+ * `vertices[polygon_starts[i]]` to `vertices[polygon_starts[i + 1] - 1]`; facet j consists of the polygons
+ * `facet_starts[j]` to `facet_starts[j + 1] - 1`. So `polygon_starts` has `polygons + 1` entries and `facet_starts`
+ * `facets + 1`, both begin with 0, do not fall, and end with the number of all. `facet_starts` may be NULL: then each
+ * polygon is a facet, and `facets` must equal `polygons`.
+ *
+ * The region of a facet is bounded by all its polygons; a polygon within another is an inner boundary, whose inside
+ * is taken out by wsp_plc_add_facet_hole. A polygon of two points is a segment within the facet, one of a
+ * single point a vertex within it. `markers` is NULL or has the caller's own number for each facet (otherwise 0).
+ * `first` is NULL or becomes the position of the first of the facets.
+ *
+ * All or nothing. The arrays are copied. Cost: linear.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as above,
+ * empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_facets(struct wsp_plc *plc,
+                              const uint32_t *vertices,
+                              const size_t *polygon_starts,
+                              size_t polygons,
+                              const size_t *facet_starts,
+                              size_t facets,
+                              const int32_t *markers,
+                              uint32_t *first);
+
+/**
+ * Takes the part of a facet around `p` out of it: the part bounded by the facet's inner polygons. `p` is in the
+ * facet's plane; `facet` is its position.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (no such facet), WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_facet_hole(struct wsp_plc *plc,
+                                  uint32_t facet,
+                                  const double p[3]);
+
+/**
+ * Takes the volume around `p`, up to the facets that bound it, out of the domain.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_hole(struct wsp_plc *plc, const double p[3]);
+
+/**
+ * Labels the volume around `p`, up to the facets that bound it, with `attribute`. `max_volume` asks for tetrahedra of
+ * at most that volume there; 0 asks for nothing.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`max_volume` is negative or not
+ * finite, `attribute` is NaN), WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_add_region(struct wsp_plc *plc,
+                              const double p[3],
+                              double attribute,
+                              double max_volume);
+
+/**
+ * How many points, segments and facets the complex has. Each pointer but the first may be NULL. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_counts(const struct wsp_plc *plc,
+                          size_t *points,
+                          size_t *segments,
+                          size_t *facets);
+
+/**
+ * Makes an empty triangulation without a domain. `options` may be NULL: the defaults.
+ *
+ * `*out` belongs to the caller: free it with wsp_triangulation_free. On an error it is NULL.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION.
+ */
+wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options,
+                                 struct wsp_triangulation **out);
+
+/**
+ * Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
+ * one that wsp_triangulation_insert would give it.
+ *
+ * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
+ * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
+ * WSP_CANCELLED.
+ *
+ * In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
+ * lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
+ *
+ * Cost: that of inserting the points.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
+ * WSP_ERR_MEMORY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_from_plc(const struct wsp_plc *plc,
+                                      const struct wsp_triangulation_options *options,
+                                      struct wsp_control *control,
+                                      struct wsp_triangulation **out);
+
+/**
+ * Makes the convex hull of the present points the domain: its facets are kept, and refinement stays within it.
+ * For points whose hull has no volume the domain is empty.
+ *
+ * Cost: linear in the hull.
+ * Errors: WSP_ERR_NULL, WSP_ERR_DOMAIN (there is one already), WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_use_hull_as_domain(struct wsp_triangulation *triangulation);
+
+/**
+ * Makes a copy, domain included, that shares nothing with the original. Batches of the one fit the other as long
+ * as neither has changed.
+ *
+ * `*out` belongs to the caller: free it with wsp_triangulation_free. On an error it is NULL.
+ * Cost: linear in the triangulation.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_clone(const struct wsp_triangulation *triangulation,
+                                   struct wsp_triangulation **out);
+
+/**
+ * Frees a triangulation; NULL is ignored. Called while another call uses the handle (from a callback of that call,
+ * say) it frees nothing and leaves a text for wsp_last_error.
+ */
+void wsp_triangulation_free(struct wsp_triangulation *triangulation);
+
+/**
+ * Inserts `n` points, three doubles each. `ids` may be NULL; otherwise it has room for `n`, and `ids[i]` becomes the
+ * vertex id of point i. Ids are numbered in the order of insertion and stay; a duplicate has the id of the first
+ * point at its place. Points are decided exactly, and cospherical ones by a symbolic perturbation, so the result
+ * does not depend on the order of insertion.
+ *
+ * All or nothing: after an error or WSP_CANCELLED the triangulation is as it was, and `ids` too.
+ * `n` may be 0, `xyz` is then not looked at. `control` may be NULL. `xyz` and `ids` may overlap.
+ *
+ * Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
+ * with about a million points a second or two.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY,
+ * WSP_ERR_DOMAIN (a point outside the domain that has been set).
+ */
+wsp_status wsp_triangulation_insert(struct wsp_triangulation *triangulation,
+                                    const double *xyz,
+                                    size_t n,
+                                    uint32_t *ids,
+                                    struct wsp_control *control);
+
+/**
+ * Finds the vertex, edge, face or tetrahedron of the hull that `p` is in, exactly. `hint` is a vertex near `p` or
+ * WSP_NONE.
+ *
+ * Cost: a walk from the hint; without one it starts anywhere.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_NO_SUCH_VERTEX (the hint), WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_locate(const struct wsp_triangulation *triangulation,
+                                    const double p[3],
+                                    uint32_t hint,
+                                    struct wsp_location *location);
+
+/**
+ * The triangulation's dimension: -1 without points, 0 one point, 1 collinear, 2 coplanar, 3 otherwise. Only then
+ * there are tetrahedra. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_dimension(const struct wsp_triangulation *triangulation,
+                                       int32_t *dimension);
+
+/**
+ * The numbers of vertices (duplicates count once) and of tetrahedra within the convex hull. Either pointer may be
+ * NULL. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_counts(const struct wsp_triangulation *triangulation,
+                                    size_t *vertices,
+                                    size_t *tetrahedra);
+
+/**
+ * Whether a domain has been set: 1 or 0. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_has_domain(const struct wsp_triangulation *triangulation, uint32_t *has_domain);
+
+/**
+ * Where a vertex is: three doubles. Constant time; for many points use wsp_triangulation_view.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_point(const struct wsp_triangulation *triangulation,
+                                   uint32_t vertex,
+                                   double xyz[3]);
+
+/**
+ * Checks a triangulation from the ground up, for tests and bug reports: WSP_DONE if it holds, WSP_ERR_NOT_VALID with a
+ * text that names what does not. `level` is a WSP_VALIDATE_ constant; each includes those before it.
+ * `radius_edge` is looked at for WSP_VALIDATE_QUALITY only.
+ *
+ * Cost: linear in the triangulation.
+ * Errors: WSP_ERR_NOT_VALID, WSP_ERR_NULL, WSP_ERR_ARGUMENT (the level), WSP_ERR_OPTION (the bound), WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_validate(const struct wsp_triangulation *triangulation,
+                                      uint32_t level,
+                                      double radius_edge);
+
+/**
+ * Makes `view` an empty mesh. `size` is `sizeof *view`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_mesh_view_init(struct wsp_mesh_view *view, size_t size);
+
+/**
+ * Shows the mesh's arrays in place: nothing is copied for the caller, and nothing is to be freed. The arrays are
+ * valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
+ *
+ * Cost: linear in the mesh at worst.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
+ */
+wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
+                                  struct wsp_mesh_view *view);
+
+/**
+ * Lists the bad short edges for the bound `radius_edge`, shortest first, ties by ids: no tetrahedron is bad if and only
+ * if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
+ * first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
+ *
+ * Cost: linear in the triangulation, plus sorting, at each call.
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_BUSY.
+ */
+wsp_status wsp_bad_short_edges(const struct wsp_triangulation *triangulation,
+                               double radius_edge,
+                               struct wsp_edge *out,
+                               size_t capacity,
+                               size_t *count);
+
+/**
+ * Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge is on
+ * the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter. Two-call list
+ * as for wsp_bad_short_edges.
+ *
+ * Cost: that of the edge's neighbourhood.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_NO_SUCH_EDGE, WSP_ERR_BUSY.
+ */
+wsp_status wsp_edge_link(const struct wsp_triangulation *triangulation,
+                         struct wsp_edge edge,
+                         uint32_t *out,
+                         size_t capacity,
+                         size_t *count,
+                         uint32_t *closed);
+
+/**
+ * Computes the next step for a bad edge: first what the boundary asks for (the splits of segments and subfacets that the
+ * samples would encroach), otherwise the samples of the component of its Voronoi facet outside the core disk that has the
+ * largest span. The batch is empty if the edge is not bad. Nothing is inserted. `options` may be NULL: the defaults.
+ *
+ * `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
+ * Cost: that of the edge's neighbourhood.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_NO_SUCH_EDGE,
+ * WSP_ERR_BUSY.
+ */
+wsp_status wsp_steiner_batch(const struct wsp_triangulation *triangulation,
+                             struct wsp_edge edge,
+                             const struct wsp_sampler_options *options,
+                             struct wsp_batch **out);
+
+/**
+ * Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
+ * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays the
+ * caller's. `ids` is NULL or has room for wsp_batch_count, and becomes the new vertices' ids.
+ *
+ * All or nothing. Cost: that of the insertions; their place is known.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_insert_batch(struct wsp_triangulation *triangulation,
+                                          const struct wsp_batch *batch,
+                                          uint32_t *ids);
+
+/**
+ * Frees a batch; NULL is ignored.
+ */
+void wsp_batch_free(struct wsp_batch *batch);
+
+/**
+ * The edge that the batch was computed for; two WSP_NONE for NULL.
+ */
+struct wsp_edge wsp_batch_edge(const struct wsp_batch *batch);
+
+/**
+ * The number of Steiner points; 0 for NULL.
+ */
+size_t wsp_batch_count(const struct wsp_batch *batch);
+
+/**
+ * The Steiner points, three doubles each, to be read until the batch is freed; NULL for an empty batch and for NULL.
+ */
+const double *wsp_batch_points(const struct wsp_batch *batch);
+
+/**
+ * Where each Steiner point comes from, to be read until the batch is freed; NULL for an empty batch and for NULL.
+ */
+const struct wsp_origin *wsp_batch_origins(const struct wsp_batch *batch);
+
+/**
+ * The rule that the batch was computed by; 0 for NULL.
+ */
+wsp_rule wsp_batch_rule(const struct wsp_batch *batch);
+
+/**
+ * The span angle of the component that was sampled, in radians; 0 for boundary splits, circumcentres and NULL.
+ */
+double wsp_batch_span(const struct wsp_batch *batch);
+
+/**
+ * The sampling angle, in radians: the span over the number of samples; 0 where the span is.
+ */
+double wsp_batch_theta(const struct wsp_batch *batch);
+
+/**
+ * Makes `report` that of an empty mesh. `size` is `sizeof *report`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_report_init(struct wsp_report *report, size_t size);
+
+/**
+ * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge. Without a
+ * domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices keep their ids;
+ * new ones are numbered on.
+ *
+ * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
+ * the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
+ * written for all statuses of 0 and above, and left as it was after an error.
+ *
+ * Cost: about linear in the mesh that comes out.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_refine(struct wsp_triangulation *triangulation,
+                      const struct wsp_refine_options *options,
+                      struct wsp_control *control,
+                      struct wsp_report *report);
+
+/**
+ * The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
+ * knowing no domain.
+ *
+ * `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they form
+ * a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
+ * `options` may be NULL: the defaults. Two-call list: `out_xyz` has room for `capacity` points (0 and NULL to ask
+ * for the count only) and gets the first of them, three doubles each, `*count` becomes the number of all;
+ * WSP_INCOMPLETE if they are more than a capacity above 0. An edge that is not bad has no points. `out_xyz` may
+ * overlap the inputs.
+ *
+ * Cost: linear in n. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE,
+ * WSP_ERR_ARGUMENT (p = q, too few link vertices, `closed` neither 0 nor 1).
+ */
+wsp_status wsp_sample_edge(const double p[3],
+                           const double q[3],
+                           const double *link_xyz,
+                           size_t n,
+                           uint32_t closed,
+                           const struct wsp_sampler_options *options,
+                           double *out_xyz,
+                           size_t capacity,
+                           size_t *count);
+
+/**
+ * Whether edge p q of any Delaunay triangulation is bad: `*bad` becomes 1 if its Voronoi facet is not within its core
+ * disk, else 0. Arguments as for wsp_sample_edge; `radius_edge` is the bound.
+ *
+ * Cost: linear in n. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_NOT_FINITE,
+ * WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT.
+ */
+wsp_status wsp_is_bad_edge(const double p[3],
+                           const double q[3],
+                           const double *link_xyz,
+                           size_t n,
+                           uint32_t closed,
+                           double radius_edge,
+                           uint32_t *bad);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* WELLSPACED_H */

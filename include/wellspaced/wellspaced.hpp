@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//
+// wellspaced.hpp: the C++17 face of wellspaced.h, header-only.
+//
+// Handles are move-only objects that free themselves, errors are exceptions (wsp::error), lists are vectors. What a
+// function does, costs and refuses is told in wellspaced.h at the C function of the same name.
+//
+//     wsp::plc domain;
+//     domain.add_box({0, 0, 0}, {1, 1, 1});
+//     domain.add_points(points);                  // std::vector<std::array<double, 3>>, or (const double*, count)
+//     wsp::triangulation mesh(domain);
+//     wsp::report report = mesh.refine(2.0);
+//
+// Conventions
+// - Statuses below 0 are thrown as wsp::error. Functions that may end early, but with a usable result, return the status:
+//   0 or one of WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_UNREFINED.
+// - Spans (wsp::span, wsp::points) only refer to memory of the caller. They are made from a pointer and a count or from
+//   any contiguous container: std::vector, std::array, std::span, a mapped array of Eigen...
+// - A callback that throws cancels its call, and what it threw comes out of that call unchanged. No exception ever
+//   crosses the C frames between.
+// - A moved-from handle is empty: it can be destroyed and assigned to; anything else throws WSP_ERR_NULL.
+// - Threads: as in wellspaced.h. A const member function is a call that takes the handle as const.
+
+#ifndef WELLSPACED_WELLSPACED_HPP
+#define WELLSPACED_WELLSPACED_HPP
+
+#include "../wellspaced.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <initializer_list>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace wsp {
+
+// What a failed call throws: its status, and wsp_last_error() as what().
+class error : public std::exception {
+public:
+    error(wsp_status status, const char* message) : status_(status), message_(std::make_shared<std::string>(message)) {}
+
+    wsp_status status() const noexcept { return status_; }
+    const char* what() const noexcept override { return message_->c_str(); }
+
+private:
+    wsp_status status_;
+    std::shared_ptr<const std::string> message_;  // shared, so that copying an exception can't throw
+};
+
+// Throws for a status below 0 and gives back the others.
+inline wsp_status check(wsp_status status) {
+    if (status < 0) throw error(status, wsp_last_error());
+    return status;
+}
+
+using point = std::array<double, 3>;
+using edge = wsp_edge;
+using location = wsp_location;
+using origin = wsp_origin;
+
+// Elements of somebody else's contiguous memory, for reading.
+template <class T>
+class span {
+public:
+    using value_type = T;
+
+    constexpr span() noexcept = default;
+    constexpr span(const T* data, std::size_t size) noexcept : data_(data), size_(size) {}
+    template <class Container,
+              class = std::enable_if_t<
+                  std::is_convertible_v<decltype(std::data(std::declval<const Container&>())), const T*>>>
+    constexpr span(const Container& container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
+
+    constexpr const T* data() const noexcept { return data_; }
+    constexpr std::size_t size() const noexcept { return size_; }
+    constexpr bool empty() const noexcept { return size_ == 0; }
+    constexpr const T* begin() const noexcept { return data_; }
+    constexpr const T* end() const noexcept { return data_ + size_; }
+    constexpr const T& operator[](std::size_t i) const noexcept { return data_[i]; }
+
+private:
+    const T* data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+// Points of somebody else's contiguous memory: three doubles each.
+class points {
+public:
+    points() noexcept = default;
+    points(const double* xyz, std::size_t count) noexcept : xyz_(xyz), count_(count) {}
+
+    // A contiguous container of doubles (x y z x y z ...; any other length than a multiple of three throws), or of structs
+    // that consist of three doubles, such as std::array<double, 3>.
+    template <class Container, class Data = decltype(std::data(std::declval<const Container&>()))>
+    points(const Container& container) {
+        using element = std::remove_cv_t<std::remove_pointer_t<Data>>;
+        if constexpr (std::is_same_v<element, double>) {
+            xyz_ = std::data(container);
+            count_ = std::size(container) / 3;
+            if (std::size(container) % 3 != 0)
+                throw error(WSP_ERR_ARGUMENT, "wsp::points: the number of doubles is not a multiple of 3");
+        } else {
+            static_assert(std::is_standard_layout_v<element> && sizeof(element) == 3 * sizeof(double) &&
+                              alignof(element) == alignof(double),
+                          "a point is three doubles");
+            xyz_ = reinterpret_cast<const double*>(std::data(container));
+            count_ = std::size(container);
+        }
+    }
+
+    const double* data() const noexcept { return xyz_; }
+    std::size_t size() const noexcept { return count_; }
+    bool empty() const noexcept { return count_ == 0; }
+    point operator[](std::size_t i) const noexcept { return {xyz_[3 * i], xyz_[3 * i + 1], xyz_[3 * i + 2]}; }
+
+private:
+    const double* xyz_ = nullptr;
+    std::size_t count_ = 0;
+};
+
+// Option structs that are born with the defaults.
+struct sampler_options : wsp_sampler_options {
+    sampler_options() { check(wsp_sampler_options_init(this, sizeof(wsp_sampler_options))); }
+    explicit sampler_options(double bound, wsp_rule chosen = WSP_RULE_PAPER) : sampler_options() {
+        radius_edge = bound;
+        rule = chosen;
+    }
+};
+
+struct refine_options : wsp_refine_options {
+    refine_options() { check(wsp_refine_options_init(this, sizeof(wsp_refine_options))); }
+    explicit refine_options(double bound, wsp_rule chosen = WSP_RULE_PAPER) : refine_options() {
+        radius_edge = bound;
+        rule = chosen;
+    }
+};
+
+struct report : wsp_report {
+    report() { check(wsp_report_init(this, sizeof(wsp_report))); }
+};
+
+namespace detail {
+
+template <class T, void (*Free)(T*)>
+struct deleter {
+    void operator()(T* handle) const noexcept { Free(handle); }
+};
+
+template <class T, void (*Free)(T*)>
+using handle = std::unique_ptr<T, deleter<T, Free>>;
+
+// What a callback of a running call has thrown. Callbacks run on the thread of their call, so the innermost one that is
+// running on the thread is theirs.
+class running_call {
+public:
+    running_call() noexcept : outer_(innermost()) { innermost() = this; }
+    running_call(const running_call&) = delete;
+    running_call& operator=(const running_call&) = delete;
+    ~running_call() { innermost() = outer_; }
+
+    // The end of the call: throws what a callback has thrown, or for an error.
+    wsp_status finish(wsp_status status) {
+        if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+        return check(status);
+    }
+
+    static void keep_exception() noexcept {
+        if (innermost() != nullptr) innermost()->thrown_ = std::current_exception();
+    }
+
+private:
+    static running_call*& innermost() noexcept {
+        static thread_local running_call* call = nullptr;
+        return call;
+    }
+
+    running_call* outer_;
+    std::exception_ptr thrown_;
+};
+
+// The two calls of a list.
+template <class T, class Ask>
+std::vector<T> list(const Ask& ask, std::size_t guess) {
+    std::vector<T> items(guess);
+    std::size_t count = 0;
+    wsp_status status = check(ask(items.data(), items.size(), &count));
+    if (status == WSP_INCOMPLETE || count > items.size()) {
+        items.resize(count);
+        check(ask(items.data(), items.size(), &count));
+    }
+    items.resize(count);
+    return items;
+}
+
+}  // namespace detail
+
+// Progress of long calls, and their cancellation from any thread.
+class control {
+public:
+    // What a callback is told: wsp_progress. It returns false to cancel.
+    using callback = std::function<bool(const wsp_progress&)>;
+
+    control() : control(callback()) {}
+    explicit control(callback progress)
+        : progress_(progress ? std::make_unique<callback>(std::move(progress)) : nullptr) {
+        wsp_control* made = nullptr;
+        check(wsp_control_new(progress_ ? &told : nullptr, progress_.get(), &made));
+        handle_.reset(made);
+    }
+
+    void cancel() { check(wsp_control_cancel(handle_.get())); }
+    // Takes a cancellation back, also that of a callback that returned false or threw.
+    void reset() { check(wsp_control_reset(handle_.get())); }
+
+    wsp_control* get() const noexcept { return handle_.get(); }
+
+private:
+    static std::int32_t told(void* user, const wsp_progress* progress) noexcept {
+        try {
+            return (*static_cast<callback*>(user))(*progress) ? 0 : 1;
+        } catch (...) {
+            detail::running_call::keep_exception();
+            return 1;
+        }
+    }
+
+    std::unique_ptr<callback> progress_;  // before the handle, which refers to it
+    detail::handle<wsp_control, wsp_control_free> handle_;
+};
+
+// A piecewise linear complex.
+class plc {
+public:
+    plc() {
+        wsp_plc* made = nullptr;
+        check(wsp_plc_new(&made));
+        handle_.reset(made);
+    }
+
+    // The position of the first of them. Markers: none, or one a point.
+    std::uint32_t add_points(points list, span<std::int32_t> markers = {}) {
+        std::uint32_t first = 0;
+        check(wsp_plc_add_points(get(), list.data(), list.size(), marked(markers, list.size()), &first));
+        return first;
+    }
+    // The position of the first of its eight points. The facets' markers are `marker` to `marker + 5`.
+    std::uint32_t add_box(const point& low, const point& high, std::int32_t marker = 1) {
+        std::uint32_t first = 0;
+        check(wsp_plc_add_box(get(), low.data(), high.data(), marker, &first));
+        return first;
+    }
+    void add_segments(span<std::array<std::uint32_t, 2>> ends, span<std::int32_t> markers = {}) {
+        const std::uint32_t* flat = ends.empty() ? nullptr : ends.data()->data();
+        check(wsp_plc_add_segments(get(), flat, ends.size(), marked(markers, ends.size())));
+    }
+    // A facet of one polygon; its position.
+    std::uint32_t add_facet(span<std::uint32_t> polygon, std::int32_t marker = 0) {
+        const std::size_t starts[2] = {0, polygon.size()};
+        std::uint32_t first = 0;
+        check(wsp_plc_add_facets(get(), polygon.data(), starts, 1, nullptr, 1, &marker, &first));
+        return first;
+    }
+    std::uint32_t add_facet(std::initializer_list<std::uint32_t> polygon, std::int32_t marker = 0) {
+        return add_facet(span<std::uint32_t>(polygon.begin(), polygon.size()), marker);
+    }
+    // Facets as lists of lists; without `facet_starts` each polygon is a facet. The position of the first.
+    std::uint32_t add_facets(span<std::uint32_t> vertices, span<std::size_t> polygon_starts,
+                             span<std::size_t> facet_starts = {}, span<std::int32_t> markers = {}) {
+        const std::size_t polygons = polygon_starts.empty() ? 0 : polygon_starts.size() - 1;
+        const std::size_t facets = facet_starts.empty() ? polygons : facet_starts.size() - 1;
+        if (!polygon_starts.empty() && polygon_starts[polygons] > vertices.size())
+            throw error(WSP_ERR_ARGUMENT, "wsp::plc::add_facets: polygon_starts ends beyond vertices");
+        std::uint32_t first = 0;
+        check(wsp_plc_add_facets(get(), vertices.data(), polygon_starts.data(), polygons,
+                                 facet_starts.empty() ? nullptr : facet_starts.data(), facets,
+                                 marked(markers, facets), &first));
+        return first;
+    }
+    void add_facet_hole(std::uint32_t facet, const point& p) { check(wsp_plc_add_facet_hole(get(), facet, p.data())); }
+    void add_hole(const point& p) { check(wsp_plc_add_hole(get(), p.data())); }
+    void add_region(const point& p, double attribute, double max_volume = 0) {
+        check(wsp_plc_add_region(get(), p.data(), attribute, max_volume));
+    }
+
+    std::size_t point_count() const { return counts()[0]; }
+    std::size_t segment_count() const { return counts()[1]; }
+    std::size_t facet_count() const { return counts()[2]; }
+
+    wsp_plc* get() const noexcept { return handle_.get(); }
+
+private:
+    std::array<std::size_t, 3> counts() const {
+        std::array<std::size_t, 3> c{};
+        check(wsp_plc_counts(get(), &c[0], &c[1], &c[2]));
+        return c;
+    }
+    static const std::int32_t* marked(span<std::int32_t> markers, std::size_t count) {
+        if (markers.empty()) return nullptr;
+        if (markers.size() != count) throw error(WSP_ERR_ARGUMENT, "wsp::plc: as many markers as elements, or none");
+        return markers.data();
+    }
+
+    detail::handle<wsp_plc, wsp_plc_free> handle_;
+};
+
+// The Steiner points of one step.
+class batch {
+public:
+    explicit batch(wsp_batch* adopted) noexcept : handle_(adopted) {}
+
+    wsp_edge edge() const noexcept { return wsp_batch_edge(get()); }
+    std::size_t size() const noexcept { return wsp_batch_count(get()); }
+    bool empty() const noexcept { return size() == 0; }
+    // Both refer to the batch's memory.
+    wsp::points points() const noexcept { return {wsp_batch_points(get()), size()}; }
+    span<origin> origins() const noexcept { return {wsp_batch_origins(get()), size()}; }
+    wsp_rule rule() const noexcept { return wsp_batch_rule(get()); }
+    double span_angle() const noexcept { return wsp_batch_span(get()); }
+    double theta() const noexcept { return wsp_batch_theta(get()); }
+
+    wsp_batch* get() const noexcept { return handle_.get(); }
+
+private:
+    detail::handle<wsp_batch, wsp_batch_free> handle_;
+};
+
+// A mesh's arrays in place: they refer to the triangulation's memory until its next change.
+struct mesh_view {
+    points vertices;                                  // by vertex id
+    span<std::array<std::uint32_t, 4>> tetrahedra;    // vertex ids, positively oriented
+    span<std::array<std::uint32_t, 4>> neighbours;    // across the face opposite each vertex, or WSP_NONE
+    span<std::uint32_t> regions;                      // of each tetrahedron: 1 + the region's position, or 0
+};
+
+// A Delaunay triangulation, and the domain that it fills once one is set.
+class triangulation {
+public:
+    triangulation() {
+        wsp_triangulation* made = nullptr;
+        check(wsp_triangulation_new(nullptr, &made));
+        handle_.reset(made);
+    }
+    explicit triangulation(const plc& domain) : handle_(from(domain, nullptr)) {}
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED: there is no triangulation then.
+    triangulation(const plc& domain, const control& control) : handle_(from(domain, control.get())) {}
+
+    triangulation clone() const {
+        wsp_triangulation* made = nullptr;
+        check(wsp_triangulation_clone(get(), &made));
+        return triangulation(made);
+    }
+
+    // The vertex id of each point.
+    std::vector<std::uint32_t> insert(points list) {
+        std::vector<std::uint32_t> ids(list.size());
+        check(wsp_triangulation_insert(get(), list.data(), list.size(), ids.data(), nullptr));
+        return ids;
+    }
+    std::uint32_t insert(const wsp::point& p) {
+        std::uint32_t id = WSP_NONE;
+        check(wsp_triangulation_insert(get(), p.data(), 1, &id, nullptr));
+        return id;
+    }
+    // WSP_DONE, or WSP_CANCELLED: then nothing has been inserted. `ids` is left empty then.
+    wsp_status insert(points list, const control& control, std::vector<std::uint32_t>* ids = nullptr) {
+        std::vector<std::uint32_t> made(ids ? list.size() : 0);
+        detail::running_call call;
+        const wsp_status status = call.finish(wsp_triangulation_insert(
+            get(), list.data(), list.size(), ids ? made.data() : nullptr, control.get()));
+        if (status == WSP_CANCELLED) made.clear();
+        if (ids) ids->swap(made);
+        return status;
+    }
+
+    void use_hull_as_domain() { check(wsp_triangulation_use_hull_as_domain(get())); }
+
+    bool has_domain() const {
+        std::uint32_t answer = 0;
+        check(wsp_triangulation_has_domain(get(), &answer));
+        return answer != 0;
+    }
+    int dimension() const {
+        std::int32_t answer = 0;
+        check(wsp_triangulation_dimension(get(), &answer));
+        return answer;
+    }
+    std::size_t vertex_count() const {
+        std::size_t answer = 0;
+        check(wsp_triangulation_counts(get(), &answer, nullptr));
+        return answer;
+    }
+    std::size_t tetrahedron_count() const {
+        std::size_t answer = 0;
+        check(wsp_triangulation_counts(get(), nullptr, &answer));
+        return answer;
+    }
+    wsp::point point(std::uint32_t vertex) const {
+        wsp::point p{};
+        check(wsp_triangulation_point(get(), vertex, p.data()));
+        return p;
+    }
+    wsp::location locate(const wsp::point& p, std::uint32_t hint = WSP_NONE) const {
+        wsp::location answer{};
+        check(wsp_triangulation_locate(get(), p.data(), hint, &answer));
+        return answer;
+    }
+    mesh_view view() const {
+        wsp_mesh_view arrays;
+        check(wsp_mesh_view_init(&arrays, sizeof arrays));
+        check(wsp_triangulation_view(get(), &arrays));
+        const auto quads = [&](const std::uint32_t* ids) {
+            return span<std::array<std::uint32_t, 4>>(reinterpret_cast<const std::array<std::uint32_t, 4>*>(ids),
+                                                      arrays.tetrahedra_count);
+        };
+        return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours),
+                {arrays.regions, arrays.tetrahedra_count}};
+    }
+
+    // Throws WSP_ERR_NOT_VALID with what is wrong. For WSP_VALIDATE_QUALITY give the bound.
+    void validate(std::uint32_t level = WSP_VALIDATE_DELAUNAY, double radius_edge = 2.0) const {
+        check(wsp_triangulation_validate(get(), level, radius_edge));
+    }
+
+    std::vector<edge> bad_short_edges(double radius_edge) const {
+        return detail::list<edge>(
+            [&](edge* out, std::size_t room, std::size_t* count) {
+                return wsp_bad_short_edges(get(), radius_edge, out, room, count);
+            },
+            64);
+    }
+    // The vertices around an edge in order; `closed` is NULL or becomes whether they form a ring.
+    std::vector<std::uint32_t> link(edge e, bool* closed = nullptr) const {
+        std::uint32_t ring = 0;
+        auto around = detail::list<std::uint32_t>(
+            [&](std::uint32_t* out, std::size_t room, std::size_t* count) {
+                return wsp_edge_link(get(), e, out, room, count, &ring);
+            },
+            32);
+        if (closed) *closed = ring != 0;
+        return around;
+    }
+    batch steiner_batch(edge e, const sampler_options& options = {}) const {
+        wsp_batch* made = nullptr;
+        check(wsp_steiner_batch(get(), e, &options, &made));
+        return batch(made);
+    }
+    // The vertex of each point, or WSP_NONE for points that could not be inserted.
+    std::vector<std::uint32_t> insert(const batch& steiner) {
+        std::vector<std::uint32_t> ids(steiner.size());
+        check(wsp_triangulation_insert_batch(get(), steiner.get(), ids.data()));
+        return ids;
+    }
+
+    // Look at the report's status: it is 0 or above.
+    wsp::report refine(const refine_options& options) { return refine(options, nullptr); }
+    wsp::report refine(const refine_options& options, const control& control) { return refine(options, control.get()); }
+    wsp::report refine(double radius_edge) { return refine(refine_options(radius_edge)); }
+
+    wsp_triangulation* get() const noexcept { return handle_.get(); }
+
+private:
+    using handle = detail::handle<wsp_triangulation, wsp_triangulation_free>;
+
+    explicit triangulation(wsp_triangulation* adopted) noexcept : handle_(adopted) {}
+
+    static handle from(const plc& domain, wsp_control* control) {
+        detail::running_call call;
+        wsp_triangulation* made = nullptr;
+        const wsp_status status = wsp_triangulation_from_plc(domain.get(), nullptr, control, &made);
+        handle owner(made);
+        if (call.finish(status) != WSP_DONE) throw error(status, wsp_status_string(status));
+        return owner;
+    }
+    wsp::report refine(const refine_options& options, wsp_control* control) {
+        wsp::report done;
+        detail::running_call call;
+        call.finish(wsp_refine(get(), &options, control, &done));
+        return done;
+    }
+
+    handle handle_;
+};
+
+// The sampler for any host's triangulation: edge p q and the points around it in order.
+inline std::vector<point> sample_edge(const point& p, const point& q, points link, bool closed,
+                                      const sampler_options& options = {}) {
+    return detail::list<point>(
+        [&](point* out, std::size_t room, std::size_t* count) {
+            return wsp_sample_edge(p.data(), q.data(), link.data(), link.size(), closed, &options,
+                                   out ? out->data() : nullptr, room, count);
+        },
+        16);
+}
+
+inline bool is_bad_edge(const point& p, const point& q, points link, bool closed, double radius_edge) {
+    std::uint32_t bad = 0;
+    check(wsp_is_bad_edge(p.data(), q.data(), link.data(), link.size(), closed, radius_edge, &bad));
+    return bad != 0;
+}
+
+inline const char* version() noexcept { return wsp_version(); }
+
+}  // namespace wsp
+
+#endif  // WELLSPACED_WELLSPACED_HPP

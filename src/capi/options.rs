@@ -1,0 +1,149 @@
+//! Option structs and the values of their fields.
+
+use super::guard::{call, Failure};
+use super::sized::{self, Sized_};
+use super::status::*;
+use crate::{RefineOptions, Rule};
+
+/// How Steiner points are chosen: one of the WSP_RULE_ constants.
+pub type wsp_rule = u32;
+
+/// Batches of off-centres around the core disk of a bad short edge: section 4 of Jampani and Üngör, 2007.
+pub const WSP_RULE_PAPER: u32 = 1;
+/// One circumcentre at a time: the classical method, for comparison.
+pub const WSP_RULE_CIRCUMCENTER: u32 = 2;
+
+pub(super) fn rule(value: wsp_rule) -> Result<Rule, Failure> {
+    match value {
+        WSP_RULE_PAPER => Ok(Rule::Paper),
+        WSP_RULE_CIRCUMCENTER => Ok(Rule::Circumcenter),
+        _ => Err(Failure::new(WSP_ERR_OPTION, format!("rule is {value}, expected a WSP_RULE_ constant"))),
+    }
+}
+
+pub(super) fn rule_number(rule: Rule) -> wsp_rule {
+    match rule {
+        Rule::Paper => WSP_RULE_PAPER,
+        Rule::Circumcenter => WSP_RULE_CIRCUMCENTER,
+    }
+}
+
+/// Options of a triangulation. Fill it with wsp_triangulation_options_init, or pass NULL for the defaults.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct wsp_triangulation_options {
+    /// Set by the `_init`.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub flags: u32,
+}
+
+// SAFETY: repr(C), integers only, struct_size first.
+unsafe impl Sized_ for wsp_triangulation_options {
+    const NAME: &'static str = "wsp_triangulation_options";
+    const SIZES: &'static [usize] = &[size_of::<Self>()];
+
+    fn defaults() -> Self {
+        wsp_triangulation_options { struct_size: 0, flags: 0 }
+    }
+}
+
+impl wsp_triangulation_options {
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        if self.flags != 0 {
+            return Err(Failure::new(WSP_ERR_OPTION, format!("flags is {:#x}, expected 0", self.flags)));
+        }
+        Ok(())
+    }
+}
+
+/// What the sampler aims at. Fill it with wsp_sampler_options_init, or pass NULL for the defaults.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct wsp_sampler_options {
+    /// Set by the `_init`.
+    pub struct_size: u32,
+    /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
+    pub rule: wsp_rule,
+    /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+    /// Default: 2.
+    pub radius_edge: f64,
+}
+
+// SAFETY: repr(C), numbers only, struct_size first.
+unsafe impl Sized_ for wsp_sampler_options {
+    const NAME: &'static str = "wsp_sampler_options";
+    const SIZES: &'static [usize] = &[size_of::<Self>()];
+
+    fn defaults() -> Self {
+        let RefineOptions { radius_edge, rule, .. } = RefineOptions::default();
+        wsp_sampler_options { struct_size: 0, rule: rule_number(rule), radius_edge }
+    }
+}
+
+/// What a refinement shall reach and when it shall stop. Fill it with wsp_refine_options_init, or pass NULL for
+/// the defaults.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct wsp_refine_options {
+    /// Set by the `_init`.
+    pub struct_size: u32,
+    /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
+    pub rule: wsp_rule,
+    /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+    /// Default: 2. From 2 on refinement is sure to end by itself, and it usually does so well below; below about 1.1 it
+    /// goes on until a limit ends it.
+    pub radius_edge: f64,
+    /// No Steiner point is added nearer than this to a vertex, in the units of the coordinates. 0, the default,
+    /// takes 2^-40 of the diagonal of the points' bounding box.
+    pub min_edge: f64,
+    /// No vertex is added beyond this many, input included. Default: 100 million.
+    pub max_vertices: usize,
+}
+
+// SAFETY: repr(C), numbers only, struct_size first.
+unsafe impl Sized_ for wsp_refine_options {
+    const NAME: &'static str = "wsp_refine_options";
+    const SIZES: &'static [usize] = &[size_of::<Self>()];
+
+    fn defaults() -> Self {
+        let RefineOptions { radius_edge, rule, max_vertices, min_edge } = RefineOptions::default();
+        wsp_refine_options { struct_size: 0, rule: rule_number(rule), radius_edge, min_edge, max_vertices }
+    }
+}
+
+/// Fills `options` with defaults. `size` is `sizeof *options`.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_triangulation_options_init(
+    options: *mut wsp_triangulation_options,
+    size: usize,
+) -> wsp_status {
+    call("wsp_triangulation_options_init", || {
+        // SAFETY: the caller gives `size` writable bytes, or NULL.
+        unsafe { sized::init(options, size, "options")? };
+        Ok(WSP_DONE)
+    })
+}
+
+/// Fills `options` with defaults. `size` is `sizeof *options`.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_sampler_options_init(options: *mut wsp_sampler_options, size: usize) -> wsp_status {
+    call("wsp_sampler_options_init", || {
+        // SAFETY: the caller gives `size` writable bytes, or NULL.
+        unsafe { sized::init(options, size, "options")? };
+        Ok(WSP_DONE)
+    })
+}
+
+/// Fills `options` with defaults. `size` is `sizeof *options`.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_refine_options_init(options: *mut wsp_refine_options, size: usize) -> wsp_status {
+    call("wsp_refine_options_init", || {
+        // SAFETY: the caller gives `size` writable bytes, or NULL.
+        unsafe { sized::init(options, size, "options")? };
+        Ok(WSP_DONE)
+    })
+}

@@ -1,0 +1,251 @@
+//! Step by step, and the sampler without a handle.
+
+use super::*;
+
+fn box_and_points() -> Owned {
+    let (mut plc, mut t) = (null_mut(), null_mut());
+    let points = scattered(40, 4);
+    // SAFETY: `plc` and `t` may be written; arrays of the sizes given.
+    unsafe {
+        done(wsp_plc_new(&mut plc));
+        done(wsp_plc_add_box(plc, [-1.0; 3].as_ptr(), [2.0; 3].as_ptr(), 1, null_mut()));
+        done(wsp_plc_add_points(plc, points.as_ptr().cast(), points.len(), null(), null_mut()));
+        done(wsp_triangulation_from_plc(plc, null(), null_mut(), &mut t));
+        wsp_plc_free(plc);
+    }
+    Owned(t)
+}
+
+fn bad_edges(t: &Owned, bound: f64) -> Vec<wsp_edge> {
+    let mut count = 0;
+    let mut edges = Vec::new();
+    // SAFETY: a live handle, room as said.
+    unsafe {
+        done(wsp_bad_short_edges(t.0, bound, null_mut(), 0, &mut count));
+        edges.resize(count, wsp_edge { vertices: [WSP_NONE; 2] });
+        done(wsp_bad_short_edges(t.0, bound, edges.as_mut_ptr(), count, &mut count));
+    }
+    assert_eq!(edges.len(), count);
+    edges
+}
+
+fn link(t: &Owned, edge: wsp_edge) -> (Vec<u32>, bool) {
+    let (mut count, mut closed) = (0, 9);
+    let mut ids = vec![WSP_NONE; 200];
+    // SAFETY: a live handle, room as said.
+    done(unsafe { wsp_edge_link(t.0, edge, ids.as_mut_ptr(), ids.len(), &mut count, &mut closed) });
+    ids.truncate(count);
+    assert!(closed <= 1);
+    (ids, closed == 1)
+}
+
+fn point(t: &Owned, vertex: u32) -> [f64; 3] {
+    let mut p = [0.0; 3];
+    // SAFETY: a live handle, room for three.
+    done(unsafe { wsp_triangulation_point(t.0, vertex, p.as_mut_ptr()) });
+    p
+}
+
+#[test]
+fn until_no_bad_short_edge_is_left() {
+    let t = box_and_points();
+    let mut steps = 0;
+    let mut kinds = [0; 3];
+    let mut left_out = 0;
+    while let Some(&edge) = bad_edges(&t, 2.0).first() {
+        steps += 1;
+        assert!(steps < 5000, "does not end");
+        let before = t.counts().0;
+        let mut batch = null_mut();
+        // SAFETY: live handles, arrays of the sizes given.
+        unsafe {
+            done(wsp_steiner_batch(t.0, edge, null(), &mut batch));
+            let n = wsp_batch_count(batch);
+            assert!(n > 0, "a bad edge has a step");
+            assert_eq!(wsp_batch_edge(batch), edge);
+            assert_eq!(wsp_batch_rule(batch), WSP_RULE_PAPER);
+            let (span, theta) = (wsp_batch_span(batch), wsp_batch_theta(batch));
+            assert!((0.0..=std::f64::consts::TAU).contains(&span) && (0.0..=span).contains(&theta));
+            let points = array(wsp_batch_points(batch), 3 * n).to_vec();
+            for origin in array(wsp_batch_origins(batch), n) {
+                let named = origin.vertices.iter().filter(|&&v| v != WSP_NONE).count();
+                assert_eq!(named, [0, 2, 3][origin.kind as usize]);
+                kinds[origin.kind as usize] += 1;
+            }
+            let mut ids = vec![WSP_NONE; n];
+            done(wsp_triangulation_insert_batch(t.0, batch, ids.as_mut_ptr()));
+            let new = ids.iter().filter(|&&id| id != WSP_NONE).count();
+            assert_eq!(t.counts().0, before + new);
+            left_out += n - new;
+            for (i, &id) in ids.iter().enumerate().filter(|(_, &id)| id != WSP_NONE) {
+                assert!(id as usize >= before);
+                assert_eq!(point(&t, id), points[3 * i..][..3]);
+            }
+            // The triangulation has changed, so the batch is out of date.
+            expect(WSP_ERR_STALE, wsp_triangulation_insert_batch(t.0, batch, null_mut()));
+            wsp_batch_free(batch);
+        }
+    }
+    assert!(left_out < steps, "most points are inserted: {left_out} of {steps} batches' are not");
+    assert!(kinds[0] > 0 && kinds[1] + kinds[2] > 0, "samples and boundary splits: {kinds:?}");
+    // SAFETY: a live handle.
+    done(unsafe { wsp_triangulation_validate(t.0, WSP_VALIDATE_QUALITY, 2.0) });
+}
+
+#[test]
+fn lists_that_do_not_fit() {
+    let t = box_and_points();
+    let all = bad_edges(&t, 2.0);
+    assert!(all.len() > 3);
+    let nobody = wsp_edge { vertices: [5, 5] };
+    let mut some = [nobody; 4];
+    let mut count = 0;
+    // SAFETY: a live handle, room as said.
+    unsafe {
+        expect(WSP_INCOMPLETE, wsp_bad_short_edges(t.0, 2.0, some.as_mut_ptr(), 3, &mut count));
+        assert_eq!((count, &some[..3], some[3]), (all.len(), &all[..3], nobody));
+        // No capacity: the pointer does not matter, and is not written through.
+        done(wsp_bad_short_edges(t.0, 2.0, &mut some[3], 0, &mut count));
+        assert_eq!((count, some[3]), (all.len(), nobody));
+        // More room than needed: the rest stays.
+        let mut more = vec![nobody; all.len() + 2];
+        done(wsp_bad_short_edges(t.0, 2.0, more.as_mut_ptr(), more.len(), &mut count));
+        assert_eq!((&more[..count], &more[count..]), (&all[..], &[nobody; 2][..]));
+    }
+}
+
+#[test]
+fn a_batch_of_another_state_is_stale() {
+    let t = box_and_points();
+    let edge = bad_edges(&t, 2.0)[0];
+    let (mut batch, mut copy) = (null_mut(), null_mut());
+    // SAFETY: live handles.
+    unsafe {
+        done(wsp_steiner_batch(t.0, edge, null(), &mut batch));
+        done(wsp_triangulation_clone(t.0, &mut copy));
+        let copy = Owned(copy);
+        let other = box_and_points();
+        expect(WSP_ERR_STALE, wsp_triangulation_insert_batch(other.0, batch, null_mut()));
+        done(wsp_triangulation_insert_batch(copy.0, batch, null_mut()));
+        let mut second = null_mut();
+        done(wsp_steiner_batch(t.0, bad_edges(&t, 2.0)[1], null(), &mut second));
+        done(wsp_triangulation_insert_batch(t.0, second, null_mut()));
+        wsp_batch_free(second);
+        let before = t.counts();
+        expect(WSP_ERR_STALE, wsp_triangulation_insert_batch(t.0, batch, null_mut()));
+        assert_eq!(t.counts(), before);
+        wsp_batch_free(batch);
+    }
+}
+
+#[test]
+fn an_edge_that_is_not_bad_has_an_empty_batch() {
+    let t = Owned::of(&scattered(100, 4));
+    let bad = bad_edges(&t, 8.0);
+    let flat = t.tetrahedra();
+    let good = flat.iter().map(|t| wsp_edge { vertices: [t[0], t[1]] }).find(|e| !bad.contains(e) && !is_bad(&t, *e));
+    let edge = good.expect("some edge is good");
+    // SAFETY: structs of numbers, live handles.
+    unsafe {
+        let mut options: wsp_sampler_options = std::mem::zeroed();
+        done(wsp_sampler_options_init(&mut options, size_of::<wsp_sampler_options>()));
+        options.radius_edge = 8.0;
+        let mut batch = null_mut();
+        done(wsp_steiner_batch(t.0, edge, &options, &mut batch));
+        assert_eq!(wsp_batch_count(batch), 0);
+        assert!(wsp_batch_points(batch).is_null() && wsp_batch_origins(batch).is_null());
+        done(wsp_triangulation_insert_batch(t.0, batch, null_mut()));
+        wsp_batch_free(batch);
+    }
+}
+
+fn star(t: &Owned, edge: wsp_edge) -> ([f64; 3], [f64; 3], Vec<[f64; 3]>, u32) {
+    let (ids, closed) = link(t, edge);
+    let around = ids.iter().map(|&v| point(t, v)).collect();
+    (point(t, edge.vertices[0]), point(t, edge.vertices[1]), around, closed.into())
+}
+
+fn is_bad(t: &Owned, edge: wsp_edge) -> bool {
+    let (p, q, around, closed) = star(t, edge);
+    let mut bad = 9;
+    // SAFETY: arrays of the sizes given.
+    done(unsafe {
+        wsp_is_bad_edge(p.as_ptr(), q.as_ptr(), around.as_ptr().cast(), around.len(), closed, 8.0, &mut bad)
+    });
+    assert!(bad <= 1);
+    bad == 1
+}
+
+#[test]
+fn the_sampler_without_a_handle_agrees() {
+    let t = Owned::of(&scattered(200, 4));
+    let mut compared = 0;
+    for edge in bad_edges(&t, 2.0) {
+        let (p, q, around, closed) = star(&t, edge);
+        let (p, q, xyz, n) = (p.as_ptr(), q.as_ptr(), around.as_ptr().cast(), around.len());
+        let (mut bad, mut count) = (9, 0);
+        let mut samples = [[0.0f64; 3]; 16];
+        // SAFETY: arrays of the sizes given.
+        unsafe {
+            done(wsp_is_bad_edge(p, q, xyz, n, closed, 2.0, &mut bad));
+            assert_eq!(bad, 1);
+            done(wsp_sample_edge(p, q, xyz, n, closed, null(), null_mut(), 0, &mut count));
+            assert!(count > 0);
+            let room = samples.len();
+            done(wsp_sample_edge(p, q, xyz, n, closed, null(), samples.as_mut_ptr().cast(), room, &mut count));
+            if count > 1 {
+                let mut first = [[7.0f64; 3]; 2];
+                let status = wsp_sample_edge(p, q, xyz, n, closed, null(), first.as_mut_ptr().cast(), 1, &mut count);
+                expect(WSP_INCOMPLETE, status);
+                assert_eq!(first, [samples[0], [7.0; 3]]);
+            }
+            // The output may lie over the input.
+            let mut memory = around.clone();
+            memory.resize(n.max(room), [0.0; 3]);
+            let both = memory.as_mut_ptr();
+            done(wsp_sample_edge(p, q, both.cast(), n, closed, null(), both.cast(), room, &mut count));
+            assert_eq!(memory[..count], samples[..count]);
+            let mut batch = null_mut();
+            done(wsp_steiner_batch(t.0, edge, null(), &mut batch));
+            let m = wsp_batch_count(batch);
+            let origins = array(wsp_batch_origins(batch), m);
+            if origins.iter().all(|o| o.kind == WSP_ORIGIN_SAMPLE) {
+                assert_eq!(array(wsp_batch_points(batch), 3 * m), samples[..count].as_flattened());
+                compared += 1;
+            }
+            wsp_batch_free(batch);
+        }
+    }
+    assert!(compared > 5, "{compared}");
+}
+
+#[test]
+fn the_sampler_refuses_what_is_no_star() {
+    let (p, q) = ([0.0; 3], [0.0, 0.0, 1.0]);
+    let around = [[1.0, 0.0, 0.5], [-1.0, 1.0, 0.5], [-1.0, -1.0, 0.5]];
+    let xyz: *const f64 = around.as_ptr().cast();
+    let (mut bad, mut count) = (9, 9);
+    // SAFETY: arrays of the sizes given.
+    unsafe {
+        let (p, q) = (p.as_ptr(), q.as_ptr());
+        done(wsp_is_bad_edge(p, q, xyz, 3, 1, 2.0, &mut bad));
+        bad = 9;
+        expect(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, p, xyz, 3, 1, 2.0, &mut bad));
+        expect(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, q, xyz, 2, 1, 2.0, &mut bad));
+        expect(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, q, xyz, 1, 0, 2.0, &mut bad));
+        expect(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, q, null(), 0, 1, 2.0, &mut bad));
+        expect(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, q, xyz, 3, 2, 2.0, &mut bad));
+        expect(WSP_ERR_OPTION, wsp_is_bad_edge(p, q, xyz, 3, 1, 0.5, &mut bad));
+        let broken = [around[0], [0.0, f64::NAN, 0.0], around[2]];
+        expect(WSP_ERR_NOT_FINITE, wsp_is_bad_edge(p, q, broken.as_ptr().cast(), 3, 1, 2.0, &mut bad));
+        assert!(last_error().contains("link point 1"), "{}", last_error());
+        let sample = |n, closed| wsp_sample_edge(p, q, xyz, n, closed, null(), null_mut(), 0, &mut 0);
+        expect(WSP_ERR_ARGUMENT, sample(2, 1));
+        expect(WSP_ERR_ARGUMENT, sample(3, 7));
+        let mut options: wsp_sampler_options = std::mem::zeroed();
+        done(wsp_sampler_options_init(&mut options, size_of::<wsp_sampler_options>()));
+        options.rule = 0;
+        expect(WSP_ERR_OPTION, wsp_sample_edge(p, q, xyz, 3, 1, &options, null_mut(), 0, &mut count));
+    }
+    assert_eq!((bad, count), (9, 9));
+}
