@@ -255,12 +255,12 @@
 #define WSP_VALIDATE_ORIENTATION 2
 
 /**
- * And the triangulation is Delaunay, by exact arithmetic.
+ * And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it.
  */
 #define WSP_VALIDATE_DELAUNAY 3
 
 /**
- * And no tetrahedron exceeds the bound on the radius-edge ratio.
+ * And no tetrahedron of the domain exceeds the bound on the radius-edge ratio, by exact arithmetic.
  */
 #define WSP_VALIDATE_QUALITY 4
 
@@ -343,7 +343,8 @@ typedef struct wsp_sampler_options {
      */
     wsp_rule rule;
     /**
-     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
+     * The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+     * Default: 2.
      */
     double radius_edge;
 } wsp_sampler_options;
@@ -362,8 +363,9 @@ typedef struct wsp_refine_options {
      */
     wsp_rule rule;
     /**
-     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
-     * Below about 1.1 refinement may never end by itself: keep a limit.
+     * The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+     * Default: 2. From 2 on refinement is sure to end by itself, and it usually does so well below; below about 1.1 it
+     * goes on until a limit ends it.
      */
     double radius_edge;
     /**
@@ -460,6 +462,10 @@ typedef struct wsp_mesh_view {
      * Four tetrahedra a tetrahedron: the one across the face opposite each vertex, WSP_NONE where there is none.
      */
     const uint32_t *neighbours;
+    /**
+     * The region of each tetrahedron: 1 + the position of the wsp_plc_add_region that labels it, 0 for none.
+     */
+    const uint32_t *regions;
 } wsp_mesh_view;
 
 /**
@@ -499,7 +505,7 @@ typedef struct wsp_report {
      */
     wsp_status status;
     /**
-     * Vertices before.
+     * Vertices that are no Steiner points.
      */
     size_t input_vertices;
     /**
@@ -511,19 +517,19 @@ typedef struct wsp_report {
      */
     size_t tetrahedra;
     /**
-     * Vertices added: the sum of the next three.
+     * Vertices that are Steiner points: those of earlier calls and of the domain's recovery too.
      */
     size_t steiner;
     /**
-     * Vertices added by the sampling rule.
+     * Vertices that this call has added by the sampling rule.
      */
     size_t samples;
     /**
-     * Vertices added to split segments.
+     * Vertices that this call has added to split segments.
      */
     size_t segment_splits;
     /**
-     * Vertices added to split subfacets.
+     * Vertices that this call has added to split subfacets.
      */
     size_t facet_splits;
     /**
@@ -743,16 +749,18 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
 
 /**
  * Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
- * one that wsp_triangulation_insert would give it.
+ * one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
+ * Delaunay triangulation, or encroached upon by a vertex, they are split, so there may be more vertices than points.
  *
  * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
  * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
  * WSP_CANCELLED.
  *
- * In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
- * lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
+ * The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
+ * domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a limit
+ * of its options ends it, so set one.
  *
- * Cost: that of inserting the points.
+ * Cost: that of inserting the points and splits.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
  * WSP_ERR_MEMORY, WSP_ERR_BUSY.
  */
@@ -799,7 +807,7 @@ void wsp_triangulation_free(struct wsp_triangulation *triangulation);
  * Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
  * with about a million points a second or two.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY,
- * WSP_ERR_DOMAIN (a point outside the domain that has been set).
+ * WSP_ERR_DOMAIN (there is one: from then on only batches and wsp_refine add points).
  */
 wsp_status wsp_triangulation_insert(struct wsp_triangulation *triangulation,
                                     const double *xyz,
@@ -872,19 +880,19 @@ wsp_status wsp_mesh_view_init(struct wsp_mesh_view *view, size_t size);
  * Shows the mesh's arrays in place: nothing is copied for the caller, and nothing is to be freed. The arrays are
  * valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
  *
- * Cost: linear in the mesh at worst.
+ * Cost: the arrays are made at the first call after a change, in linear time; further calls cost nothing.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
  */
 wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
                                   struct wsp_mesh_view *view);
 
 /**
- * Lists the bad short edges for the bound `radius_edge`, shortest first, ties by ids: no tetrahedron is bad if and only
- * if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
+ * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first, ties by
+ * ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
  * first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
  *
  * Cost: linear in the triangulation, plus sorting, at each call.
- * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_BUSY.
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_BUSY.
  */
 wsp_status wsp_bad_short_edges(const struct wsp_triangulation *triangulation,
                                double radius_edge,
@@ -908,9 +916,13 @@ wsp_status wsp_edge_link(const struct wsp_triangulation *triangulation,
                          uint32_t *closed);
 
 /**
- * Computes the next step for a bad edge: first what the boundary asks for (the splits of segments and subfacets that the
- * samples would encroach), otherwise the samples of the component of its Voronoi facet outside the core disk that has the
- * largest span. The batch is empty if the edge is not bad. Nothing is inserted. `options` may be NULL: the defaults.
+ * Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its subsegments
+ * or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of such splits.
+ * Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that has the largest
+ * span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may be NULL: the
+ * defaults.
+ *
+ * Without a domain nothing bounds the samples: they may lie outside the hull. See wsp_triangulation_use_hull_as_domain.
  *
  * `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
  * Cost: that of the edge's neighbourhood.
@@ -924,10 +936,13 @@ wsp_status wsp_steiner_batch(const struct wsp_triangulation *triangulation,
 
 /**
  * Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
- * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays the
- * caller's. `ids` is NULL or has room for wsp_batch_count, and becomes the new vertices' ids.
+ * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays
+ * the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or WSP_NONE if it
+ * was not inserted, because the points before it have made it encroach upon the boundary: the batches to come split that
+ * first. If none of a batch's points is inserted and the next batch is the same, the edge can't be mended: that would
+ * need edges below 2^-40 of the bounding box.
  *
- * All or nothing. Cost: that of the insertions; their place is known.
+ * Cost: that of the insertions.
  * Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
  */
 wsp_status wsp_triangulation_insert_batch(struct wsp_triangulation *triangulation,
@@ -1027,7 +1042,7 @@ wsp_status wsp_sample_edge(const double p[3],
  * disk, else 0. Arguments as for wsp_sample_edge; `radius_edge` is the bound.
  *
  * Cost: linear in n. May be called from any thread at any time.
- * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_NOT_FINITE,
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_NOT_FINITE,
  * WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT.
  */
 wsp_status wsp_is_bad_edge(const double p[3],

@@ -110,8 +110,9 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
 /// WSP_CANCELLED.
 ///
-/// In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
-/// lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
+/// The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
+/// domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a limit
+/// of its options ends it, so set one.
 ///
 /// Cost: that of inserting the points and splits.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
