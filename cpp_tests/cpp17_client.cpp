@@ -117,7 +117,8 @@ void test_points() {
     CHECK(thrown([&] { copy.vertex_count(); }) == WSP_ERR_NULL);
     copy = std::move(moved);
     CHECK(copy.vertex_count() == 6);
-    static_assert(!std::is_copy_constructible_v<wsp::triangulation> && std::is_nothrow_move_constructible_v<wsp::triangulation>);
+    static_assert(!std::is_copy_constructible_v<wsp::triangulation>);
+    static_assert(std::is_nothrow_move_constructible_v<wsp::triangulation>);
     static_assert(!std::is_copy_constructible_v<wsp::plc> && std::is_nothrow_move_constructible_v<wsp::plc>);
     static_assert(!std::is_copy_constructible_v<wsp::batch> && std::is_nothrow_move_constructible_v<wsp::batch>);
     static_assert(!std::is_copy_constructible_v<wsp::control> && std::is_nothrow_move_constructible_v<wsp::control>);
@@ -127,8 +128,7 @@ void test_points() {
 void test_plc() {
     wsp::plc cube;
     std::vector<wsp::point> corners;
-    for (unsigned i = 0; i < 8; ++i)
-        corners.push_back({static_cast<double>(i & 1), static_cast<double>(i >> 1 & 1), static_cast<double>(i >> 2 & 1)});
+    for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 1.0 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0});
     const std::vector<std::int32_t> markers{1, 2, 3, 4, 5, 6, 7, 8};
     CHECK(cube.add_points(corners, markers) == 0);
     CHECK(thrown([&] { cube.add_points(corners, std::vector<std::int32_t>{1}); }) == WSP_ERR_ARGUMENT);

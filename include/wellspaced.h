@@ -41,8 +41,8 @@
  * Conventions
  * -----------
  * - Status. Functions return a wsp_status: 0 done, above 0 usable but not complete, below 0 an error. After an error
- *   nothing has been changed, and wsp_last_error says why, with the offending point or element. In the lists of
- *   errors below, every function that takes a handle can also return WSP_ERR_INTERNAL.
+ *   nothing has been changed (two functions say otherwise of two errors), and wsp_last_error says why, with the
+ *   offending point or element. Beside the errors listed below, every function may return WSP_ERR_INTERNAL.
  * - Ownership. What a _new, _from_ or _batch function gives out is the caller's, to be freed by the _free of its type;
  *   _free(NULL) does nothing. Nothing else is ever freed across the boundary. Arrays that are passed in are only
  *   read during the call, and may overlap those that the call fills; those that it fills must not overlap
@@ -651,8 +651,8 @@ wsp_status wsp_plc_add_points(struct wsp_plc *plc,
                               uint32_t *first);
 
 /**
- * Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in x,
- * y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
+ * Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in
+ * x, y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
  * markers `marker` to `marker + 5`. `first` is NULL or becomes the position of the first of the points.
  *
  * All or nothing. Constant time.
@@ -691,8 +691,8 @@ wsp_status wsp_plc_add_segments(struct wsp_plc *plc,
  * `first` is NULL or becomes the position of the first of the facets.
  *
  * All or nothing. The arrays are copied. Cost: linear.
- * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as above,
- * empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as
+ * above, empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
  */
 wsp_status wsp_plc_add_facets(struct wsp_plc *plc,
                               const uint32_t *vertices,
@@ -757,8 +757,8 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
  * WSP_CANCELLED.
  *
  * The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
- * domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a limit
- * of its options ends it, so set one.
+ * domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a
+ * limit of its options ends it, so set one.
  *
  * Cost: that of inserting the points and splits.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
@@ -887,9 +887,10 @@ wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
                                   struct wsp_mesh_view *view);
 
 /**
- * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first, ties by
- * ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
- * first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
+ * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first,
+ * ties by ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0
+ * and NULL to ask for the count only) and gets the first of them, `*count` becomes the number of all; WSP_INCOMPLETE
+ * if they are more than a capacity above 0.
  *
  * Cost: linear in the triangulation, plus sorting, at each call.
  * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_BUSY.
@@ -901,9 +902,9 @@ wsp_status wsp_bad_short_edges(const struct wsp_triangulation *triangulation,
                                size_t *count);
 
 /**
- * Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge is on
- * the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter. Two-call list
- * as for wsp_bad_short_edges.
+ * Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge
+ * is on the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter.
+ * Two-call list as for wsp_bad_short_edges.
  *
  * Cost: that of the edge's neighbourhood.
  * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_NO_SUCH_EDGE, WSP_ERR_BUSY.
@@ -916,13 +917,14 @@ wsp_status wsp_edge_link(const struct wsp_triangulation *triangulation,
                          uint32_t *closed);
 
 /**
- * Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its subsegments
- * or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of such splits.
- * Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that has the largest
- * span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may be NULL: the
- * defaults.
+ * Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its
+ * subsegments or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of
+ * such splits. Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that
+ * has the largest span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may
+ * be NULL: the defaults.
  *
- * Without a domain nothing bounds the samples: they may lie outside the hull. See wsp_triangulation_use_hull_as_domain.
+ * Without a domain nothing bounds the samples: they may lie outside the hull. See
+ * wsp_triangulation_use_hull_as_domain.
  *
  * `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
  * Cost: that of the edge's neighbourhood.
@@ -936,11 +938,13 @@ wsp_status wsp_steiner_batch(const struct wsp_triangulation *triangulation,
 
 /**
  * Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
- * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays
- * the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or WSP_NONE if it
- * was not inserted, because the points before it have made it encroach upon the boundary: the batches to come split that
- * first. If none of a batch's points is inserted and the next batch is the same, the edge can't be mended: that would
- * need edges below 2^-40 of the bounding box.
+ * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch
+ * stays the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or
+ * WSP_NONE if it was not inserted, because the points before it have made it encroach upon the boundary: the batches
+ * to come split that first. If none of a batch's points is inserted and the next batch is the same, the edge can't
+ * be mended: that would need edges below 2^-40 of the bounding box.
+ *
+ * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY the first points may have been inserted; the triangulation is valid.
  *
  * Cost: that of the insertions.
  * Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
@@ -996,13 +1000,15 @@ double wsp_batch_theta(const struct wsp_batch *batch);
 wsp_status wsp_report_init(struct wsp_report *report, size_t size);
 
 /**
- * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge. Without a
- * domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices keep their ids;
- * new ones are numbered on.
+ * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge.
+ * Without a domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices
+ * keep their ids; new ones are numbered on.
  *
  * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
  * the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
  * written for all statuses of 0 and above, and left as it was after an error.
+ *
+ * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.
  *
  * Cost: about linear in the mesh that comes out.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
@@ -1016,8 +1022,8 @@ wsp_status wsp_refine(struct wsp_triangulation *triangulation,
  * The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
  * knowing no domain.
  *
- * `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they form
- * a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
+ * `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they
+ * form a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
  * `options` may be NULL: the defaults. Two-call list: `out_xyz` has room for `capacity` points (0 and NULL to ask
  * for the count only) and gets the first of them, three doubles each, `*count` becomes the number of all;
  * WSP_INCOMPLETE if they are more than a capacity above 0. An edge that is not bad has no points. `out_xyz` may
