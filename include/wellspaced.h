@@ -41,8 +41,8 @@
  * Conventions
  * -----------
  * - Status. Functions return a wsp_status: 0 done, above 0 usable but not complete, below 0 an error. After an error
- *   nothing has been changed, and wsp_last_error says why, with the offending point or element. In the lists of
- *   errors below, every function that takes a handle can also return WSP_ERR_INTERNAL.
+ *   nothing has been changed (two functions say otherwise of two errors), and wsp_last_error says why, with the
+ *   offending point or element. Beside the errors listed below, every function may return WSP_ERR_INTERNAL.
  * - Ownership. What a _new, _from_ or _batch function gives out is the caller's, to be freed by the _free of its type;
  *   _free(NULL) does nothing. Nothing else is ever freed across the boundary. Arrays that are passed in are only
  *   read during the call, and may overlap those that the call fills; those that it fills must not overlap
@@ -255,12 +255,12 @@
 #define WSP_VALIDATE_ORIENTATION 2
 
 /**
- * And the triangulation is Delaunay, by exact arithmetic.
+ * And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it.
  */
 #define WSP_VALIDATE_DELAUNAY 3
 
 /**
- * And no tetrahedron exceeds the bound on the radius-edge ratio.
+ * And no tetrahedron of the domain exceeds the bound on the radius-edge ratio, by exact arithmetic.
  */
 #define WSP_VALIDATE_QUALITY 4
 
@@ -343,7 +343,8 @@ typedef struct wsp_sampler_options {
      */
     wsp_rule rule;
     /**
-     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
+     * The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+     * Default: 2.
      */
     double radius_edge;
 } wsp_sampler_options;
@@ -362,8 +363,9 @@ typedef struct wsp_refine_options {
      */
     wsp_rule rule;
     /**
-     * The bound on a tetrahedron's circumradius over its shortest edge, at least 1. Default: 2.
-     * Below about 1.1 refinement may never end by itself: keep a limit.
+     * The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
+     * Default: 2. From 2 on refinement is sure to end by itself, and it usually does so well below; below about 1.1 it
+     * goes on until a limit ends it.
      */
     double radius_edge;
     /**
@@ -460,6 +462,10 @@ typedef struct wsp_mesh_view {
      * Four tetrahedra a tetrahedron: the one across the face opposite each vertex, WSP_NONE where there is none.
      */
     const uint32_t *neighbours;
+    /**
+     * The region of each tetrahedron: 1 + the position of the wsp_plc_add_region that labels it, 0 for none.
+     */
+    const uint32_t *regions;
 } wsp_mesh_view;
 
 /**
@@ -499,7 +505,7 @@ typedef struct wsp_report {
      */
     wsp_status status;
     /**
-     * Vertices before.
+     * Vertices that are no Steiner points.
      */
     size_t input_vertices;
     /**
@@ -511,19 +517,19 @@ typedef struct wsp_report {
      */
     size_t tetrahedra;
     /**
-     * Vertices added: the sum of the next three.
+     * Vertices that are Steiner points: those of earlier calls and of the domain's recovery too.
      */
     size_t steiner;
     /**
-     * Vertices added by the sampling rule.
+     * Vertices that this call has added by the sampling rule.
      */
     size_t samples;
     /**
-     * Vertices added to split segments.
+     * Vertices that this call has added to split segments.
      */
     size_t segment_splits;
     /**
-     * Vertices added to split subfacets.
+     * Vertices that this call has added to split subfacets.
      */
     size_t facet_splits;
     /**
@@ -645,8 +651,8 @@ wsp_status wsp_plc_add_points(struct wsp_plc *plc,
                               uint32_t *first);
 
 /**
- * Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in x,
- * y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
+ * Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in
+ * x, y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
  * markers `marker` to `marker + 5`. `first` is NULL or becomes the position of the first of the points.
  *
  * All or nothing. Constant time.
@@ -685,8 +691,8 @@ wsp_status wsp_plc_add_segments(struct wsp_plc *plc,
  * `first` is NULL or becomes the position of the first of the facets.
  *
  * All or nothing. The arrays are copied. Cost: linear.
- * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as above,
- * empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as
+ * above, empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
  */
 wsp_status wsp_plc_add_facets(struct wsp_plc *plc,
                               const uint32_t *vertices,
@@ -743,16 +749,18 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
 
 /**
  * Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
- * one that wsp_triangulation_insert would give it.
+ * one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
+ * Delaunay triangulation, or encroached upon by a vertex, they are split, so there may be more vertices than points.
  *
  * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
  * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
  * WSP_CANCELLED.
  *
- * In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
- * lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
+ * The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
+ * domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a
+ * limit of its options ends it, so set one.
  *
- * Cost: that of inserting the points.
+ * Cost: that of inserting the points and splits.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
  * WSP_ERR_MEMORY, WSP_ERR_BUSY.
  */
@@ -799,7 +807,7 @@ void wsp_triangulation_free(struct wsp_triangulation *triangulation);
  * Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
  * with about a million points a second or two.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY,
- * WSP_ERR_DOMAIN (a point outside the domain that has been set).
+ * WSP_ERR_DOMAIN (there is one: from then on only batches and wsp_refine add points).
  */
 wsp_status wsp_triangulation_insert(struct wsp_triangulation *triangulation,
                                     const double *xyz,
@@ -872,19 +880,20 @@ wsp_status wsp_mesh_view_init(struct wsp_mesh_view *view, size_t size);
  * Shows the mesh's arrays in place: nothing is copied for the caller, and nothing is to be freed. The arrays are
  * valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
  *
- * Cost: linear in the mesh at worst.
+ * Cost: the arrays are made at the first call after a change, in linear time; further calls cost nothing.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
  */
 wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
                                   struct wsp_mesh_view *view);
 
 /**
- * Lists the bad short edges for the bound `radius_edge`, shortest first, ties by ids: no tetrahedron is bad if and only
- * if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
- * first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
+ * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first,
+ * ties by ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0
+ * and NULL to ask for the count only) and gets the first of them, `*count` becomes the number of all; WSP_INCOMPLETE
+ * if they are more than a capacity above 0.
  *
  * Cost: linear in the triangulation, plus sorting, at each call.
- * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_BUSY.
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_BUSY.
  */
 wsp_status wsp_bad_short_edges(const struct wsp_triangulation *triangulation,
                                double radius_edge,
@@ -893,9 +902,9 @@ wsp_status wsp_bad_short_edges(const struct wsp_triangulation *triangulation,
                                size_t *count);
 
 /**
- * Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge is on
- * the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter. Two-call list
- * as for wsp_bad_short_edges.
+ * Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge
+ * is on the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter.
+ * Two-call list as for wsp_bad_short_edges.
  *
  * Cost: that of the edge's neighbourhood.
  * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_NO_SUCH_EDGE, WSP_ERR_BUSY.
@@ -908,9 +917,14 @@ wsp_status wsp_edge_link(const struct wsp_triangulation *triangulation,
                          uint32_t *closed);
 
 /**
- * Computes the next step for a bad edge: first what the boundary asks for (the splits of segments and subfacets that the
- * samples would encroach), otherwise the samples of the component of its Voronoi facet outside the core disk that has the
- * largest span. The batch is empty if the edge is not bad. Nothing is inserted. `options` may be NULL: the defaults.
+ * Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its
+ * subsegments or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of
+ * such splits. Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that
+ * has the largest span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may
+ * be NULL: the defaults.
+ *
+ * Without a domain nothing bounds the samples: they may lie outside the hull. See
+ * wsp_triangulation_use_hull_as_domain.
  *
  * `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
  * Cost: that of the edge's neighbourhood.
@@ -924,10 +938,15 @@ wsp_status wsp_steiner_batch(const struct wsp_triangulation *triangulation,
 
 /**
  * Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
- * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays the
- * caller's. `ids` is NULL or has room for wsp_batch_count, and becomes the new vertices' ids.
+ * computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch
+ * stays the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or
+ * WSP_NONE if it was not inserted, because the points before it have made it encroach upon the boundary: the batches
+ * to come split that first. If none of a batch's points is inserted and the next batch is the same, the edge can't
+ * be mended: that would need edges below 2^-40 of the bounding box.
  *
- * All or nothing. Cost: that of the insertions; their place is known.
+ * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY the first points may have been inserted; the triangulation is valid.
+ *
+ * Cost: that of the insertions.
  * Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
  */
 wsp_status wsp_triangulation_insert_batch(struct wsp_triangulation *triangulation,
@@ -981,13 +1000,15 @@ double wsp_batch_theta(const struct wsp_batch *batch);
 wsp_status wsp_report_init(struct wsp_report *report, size_t size);
 
 /**
- * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge. Without a
- * domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices keep their ids;
- * new ones are numbered on.
+ * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge.
+ * Without a domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices
+ * keep their ids; new ones are numbered on.
  *
  * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
  * the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
  * written for all statuses of 0 and above, and left as it was after an error.
+ *
+ * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.
  *
  * Cost: about linear in the mesh that comes out.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
@@ -1001,8 +1022,8 @@ wsp_status wsp_refine(struct wsp_triangulation *triangulation,
  * The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
  * knowing no domain.
  *
- * `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they form
- * a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
+ * `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they
+ * form a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
  * `options` may be NULL: the defaults. Two-call list: `out_xyz` has room for `capacity` points (0 and NULL to ask
  * for the count only) and gets the first of them, three doubles each, `*count` becomes the number of all;
  * WSP_INCOMPLETE if they are more than a capacity above 0. An edge that is not bad has no points. `out_xyz` may
@@ -1027,7 +1048,7 @@ wsp_status wsp_sample_edge(const double p[3],
  * disk, else 0. Arguments as for wsp_sample_edge; `radius_edge` is the bound.
  *
  * Cost: linear in n. May be called from any thread at any time.
- * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is below 1 or not finite), WSP_ERR_NOT_FINITE,
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_NOT_FINITE,
  * WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT.
  */
 wsp_status wsp_is_bad_edge(const double p[3],

@@ -12,8 +12,8 @@
 //     wsp::report report = mesh.refine(2.0);
 //
 // Conventions
-// - Statuses below 0 are thrown as wsp::error. Functions that may end early, but with a usable result, return the status:
-//   0 or one of WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_UNREFINED.
+// - Statuses below 0 are thrown as wsp::error. Functions that may end early, but with a usable result, return the
+// status: 0 or one of WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_UNREFINED.
 // - Spans (wsp::span, wsp::points) only refer to memory of the caller. They are made from a pointer and a count or from
 //   any contiguous container: std::vector, std::array, std::span, a mapped array of Eigen...
 // - A callback that throws cancels its call, and what it threw comes out of that call unchanged. No exception ever
@@ -96,8 +96,8 @@ public:
     points() noexcept = default;
     points(const double* xyz, std::size_t count) noexcept : xyz_(xyz), count_(count) {}
 
-    // A contiguous container of doubles (x y z x y z ...; any other length than a multiple of three throws), or of structs
-    // that consist of three doubles, such as std::array<double, 3>.
+    // A contiguous container of doubles (x y z x y z ...; any other length than a multiple of three throws), or of
+    // structs that consist of three doubles, such as std::array<double, 3>.
     template <class Container, class Data = decltype(std::data(std::declval<const Container&>()))>
     points(const Container& container) {
         using element = std::remove_cv_t<std::remove_pointer_t<Data>>;

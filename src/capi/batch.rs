@@ -52,13 +52,14 @@ impl From<Origin> for wsp_origin {
     }
 }
 
-/// Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its subsegments
-/// or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of such splits.
-/// Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that has the largest
-/// span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may be NULL: the
-/// defaults.
+/// Computes what the refinement would insert next for an edge. The boundary comes first: as long as one of its
+/// subsegments or subfacets waits to be split, or would be encroached upon by the edge's samples, the batch is of
+/// such splits. Otherwise it is the samples of the component of the edge's Voronoi facet outside the core disk that
+/// has the largest span. It is empty if the edge is not bad, or can't be mended. Nothing is inserted. `options` may
+/// be NULL: the defaults.
 ///
-/// Without a domain nothing bounds the samples: they may lie outside the hull. See wsp_triangulation_use_hull_as_domain.
+/// Without a domain nothing bounds the samples: they may lie outside the hull. See
+/// wsp_triangulation_use_hull_as_domain.
 ///
 /// `*out` belongs to the caller: free it with wsp_batch_free. On an error it is NULL. It refers to no other handle.
 /// Cost: that of the edge's neighbourhood.
@@ -87,11 +88,13 @@ pub unsafe extern "C" fn wsp_steiner_batch(
 }
 
 /// Inserts a batch. It must be of the triangulation's present state: once anything has been inserted since it was
-/// computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch stays
-/// the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or WSP_NONE if it
-/// was not inserted, because the points before it have made it encroach upon the boundary: the batches to come split that
-/// first. If none of a batch's points is inserted and the next batch is the same, the edge can't be mended: that would
-/// need edges below 2^-40 of the bounding box.
+/// computed, another batch too, its distances and its boundary rules hold no longer, and it is refused. The batch
+/// stays the caller's. `ids` is NULL or has room for wsp_batch_count: `ids[i]` becomes the vertex of point i, or
+/// WSP_NONE if it was not inserted, because the points before it have made it encroach upon the boundary: the batches
+/// to come split that first. If none of a batch's points is inserted and the next batch is the same, the edge can't
+/// be mended: that would need edges below 2^-40 of the bounding box.
+///
+/// After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY the first points may have been inserted; the triangulation is valid.
 ///
 /// Cost: that of the insertions.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STALE, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
@@ -115,8 +118,7 @@ pub unsafe extern "C" fn wsp_triangulation_insert_batch(
         if batch.points.is_empty() {
             return Ok(WSP_DONE);
         }
-        let new_ids = state.mesh.insert_batch(&batch.batch)?;
-        state.changed();
+        let new_ids = state.change(|mesh| mesh.insert_batch(&batch.batch))?;
         if !ids.is_null() {
             let all = per_point(state.mesh.triangulation(), &batch.points, &new_ids);
             std::ptr::copy(all.as_ptr(), ids, all.len());

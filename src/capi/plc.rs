@@ -87,8 +87,8 @@ pub unsafe extern "C" fn wsp_plc_add_points(
     })
 }
 
-/// Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in x,
-/// y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
+/// Adds the axis-parallel box from `low` to `high`: eight points and six facets. Point i of the eight is at `high` in
+/// x, y, z where bit 0, 1, 2 of i is set. The facets are at x low, x high, y low, y high, z low, z high, with the
 /// markers `marker` to `marker + 5`. `first` is NULL or becomes the position of the first of the points.
 ///
 /// All or nothing. Constant time.
@@ -182,8 +182,8 @@ pub unsafe extern "C" fn wsp_plc_add_segments(
 /// `first` is NULL or becomes the position of the first of the facets.
 ///
 /// All or nothing. The arrays are copied. Cost: linear.
-/// Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as above,
-/// empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
+/// Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX (the points come first), WSP_ERR_ARGUMENT (starts that are not as
+/// above, empty polygons or facets), WSP_ERR_TOO_MANY, WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_add_facets(
     plc: *mut wsp_plc,

@@ -101,13 +101,15 @@ pub unsafe extern "C" fn wsp_report_init(report: *mut wsp_report, size: usize) -
     })
 }
 
-/// Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge. Without a
-/// domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices keep their ids;
-/// new ones are numbered on.
+/// Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge.
+/// Without a domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices
+/// keep their ids; new ones are numbered on.
 ///
 /// Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
 /// the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
 /// written for all statuses of 0 and above, and left as it was after an error.
+///
+/// After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.
 ///
 /// Cost: about linear in the mesh that comes out.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
@@ -132,8 +134,7 @@ pub unsafe extern "C" fn wsp_refine(
         };
         let control = control::core(control)?;
         let mut state = args::reference(triangulation, "triangulation")?.handle.write()?;
-        let done = state.mesh.refine(&options, &control)?;
-        state.changed();
+        let done = state.change(|mesh| mesh.refine(&options, &control))?;
         if !report.is_null() {
             sized::write(&wsp_report::from(&done), report, "report")?;
         }

@@ -43,8 +43,8 @@ unsafe fn star(p: *const f64, q: *const f64, link_xyz: *const f64, n: usize, clo
 /// The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
 /// knowing no domain.
 ///
-/// `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they form
-/// a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
+/// `link_xyz` are the `n` vertices around the edge in order (either sense), three doubles each. `closed` is 1 if they
+/// form a ring; 0 for an edge on the hull, where they are a chain from one of the hull's facets to the other.
 /// `options` may be NULL: the defaults. Two-call list: `out_xyz` has room for `capacity` points (0 and NULL to ask
 /// for the count only) and gets the first of them, three doubles each, `*count` becomes the number of all;
 /// WSP_INCOMPLETE if they are more than a capacity above 0. An edge that is not bad has no points. `out_xyz` may

@@ -22,9 +22,10 @@ pub(super) fn ends(triangulation: &Triangulation, edge: wsp_edge) -> Result<[u32
     }
 }
 
-/// Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first, ties by
-/// ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0 and NULL to ask for the count only) and gets the
-/// first of them, `*count` becomes the number of all; WSP_INCOMPLETE if they are more than a capacity above 0.
+/// Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first,
+/// ties by ids: no tetrahedron is bad if and only if there are none. Two-call list: `out` has room for `capacity` (0
+/// and NULL to ask for the count only) and gets the first of them, `*count` becomes the number of all; WSP_INCOMPLETE
+/// if they are more than a capacity above 0.
 ///
 /// Cost: linear in the triangulation, plus sorting, at each call.
 /// Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_BUSY.
@@ -47,9 +48,9 @@ pub unsafe extern "C" fn wsp_bad_short_edges(
     })
 }
 
-/// Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge is on
-/// the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter. Two-call list
-/// as for wsp_bad_short_edges.
+/// Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge
+/// is on the hull, and the first and the last are on the hull's two facets at it. NULL if that does not matter.
+/// Two-call list as for wsp_bad_short_edges.
 ///
 /// Cost: that of the edge's neighbourhood.
 /// Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_NO_SUCH_EDGE, WSP_ERR_BUSY.

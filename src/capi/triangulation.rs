@@ -10,7 +10,7 @@ use super::plc::wsp_plc;
 use super::status::*;
 use super::{args, sized};
 use crate::triangulation::Defect;
-use crate::{Location, Mesh};
+use crate::{Error, Location, Mesh};
 
 /// A Delaunay triangulation of points of any dimension, and the domain that it fills once one is set.
 pub struct wsp_triangulation {
@@ -33,6 +33,17 @@ impl State {
     /// To be called after every change.
     pub fn changed(&mut self) {
         self.stamp = fresh_stamp();
+    }
+
+    /// Makes a change that may stop half-way with an error: whatever has changed then, batches of before are stale.
+    pub fn change<T>(&mut self, change: impl FnOnce(&mut Mesh) -> Result<T, Error>) -> Result<T, Error> {
+        let look = |mesh: &Mesh| (mesh.triangulation().vertex_count(), mesh.has_domain());
+        let before = look(&self.mesh);
+        let result = change(&mut self.mesh);
+        if result.is_ok() || look(&self.mesh) != before {
+            self.changed();
+        }
+        result
     }
 }
 
@@ -110,8 +121,9 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
 /// WSP_CANCELLED.
 ///
-/// In this version a domain is a convex polyhedron given by its facets (with whatever points, segments and facets
-/// lie within it): anything else is WSP_ERR_INVALID_DOMAIN.
+/// The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
+/// domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a
+/// limit of its options ends it, so set one.
 ///
 /// Cost: that of inserting the points and splits.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
@@ -149,8 +161,7 @@ pub unsafe extern "C" fn wsp_triangulation_use_hull_as_domain(triangulation: *mu
     // SAFETY: NULL or live.
     call("wsp_triangulation_use_hull_as_domain", || unsafe {
         let mut state = args::reference(triangulation, "triangulation")?.handle.write()?;
-        state.mesh.use_hull_as_domain()?;
-        state.changed();
+        state.change(Mesh::use_hull_as_domain)?;
         Ok(WSP_DONE)
     })
 }
@@ -253,7 +264,7 @@ pub unsafe extern "C" fn wsp_triangulation_locate(
         let hint = (hint != WSP_NONE).then_some(hint);
         if let Some(vertex) = hint {
             if triangulation.point(vertex).is_none() {
-                return Err(crate::Error::NoSuchVertex { vertex }.into());
+                return Err(Error::NoSuchVertex { vertex }.into());
             }
         }
         args::store(location, triangulation.locate(p, hint).into(), "location")?;
@@ -330,7 +341,7 @@ pub unsafe extern "C" fn wsp_triangulation_point(
     call("wsp_triangulation_point", || unsafe {
         args::writable(xyz, "xyz")?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
-        let point = state.mesh.triangulation().point(vertex).ok_or(crate::Error::NoSuchVertex { vertex })?;
+        let point = state.mesh.triangulation().point(vertex).ok_or(Error::NoSuchVertex { vertex })?;
         args::store(xyz.cast(), point.to_array(), "xyz")?;
         Ok(WSP_DONE)
     })
