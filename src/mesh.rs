@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
@@ -188,17 +189,28 @@ impl Mesh {
             segment_splits: 0,
             facet_splits: 0,
             bad: 0,
+            bad_at_small_angles: 0,
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
         };
         for tet in self.inside() {
             let corners = self.t.corners(tet);
             report.tetrahedra += 1;
-            report.bad += usize::from(exceeds_radius_edge(corners, bound));
+            if exceeds_radius_edge(corners, bound) {
+                report.bad += 1;
+                report.bad_at_small_angles += usize::from(self.is_at_small_angle(tet));
+            }
             report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
             report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
         }
         report
+    }
+
+    /// Whether a tetrahedron's shortest edge spans an acute input angle.
+    fn is_at_small_angle(&self, tet: u32) -> bool {
+        let ([i, j], _) = shortest_edge(&self.t, tet);
+        let v = self.t.topology.tet(tet).v;
+        self.boundary().is_some_and(|boundary| boundary.is_seditious(&self.t, [v[i], v[j]]))
     }
 
     /// The two parts, to change them; a view must be forgotten with it.

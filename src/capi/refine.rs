@@ -67,7 +67,7 @@ fn status(status: RefineStatus) -> wsp_status {
         RefineStatus::Done => WSP_DONE,
         RefineStatus::Cancelled => WSP_CANCELLED,
         RefineStatus::VertexLimit => WSP_VERTEX_LIMIT,
-        RefineStatus::MinEdge => WSP_UNREFINED,
+        RefineStatus::Unrefined => WSP_UNREFINED,
     }
 }
 

@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::acute::Carrier;
 use super::facet::FacetTriangulation;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
@@ -39,6 +40,8 @@ pub(super) const ACUTE: u8 = 4;
 pub struct Segment {
     /// The caller's own number for it.
     pub marker: i32,
+    /// The vertices at its ends.
+    pub ends: [u32; 2],
     /// The facets that it borders or lies in.
     pub facets: Vec<u32>,
 }
@@ -66,15 +69,13 @@ impl Encroached {
 pub struct Boundary {
     /// [`ON_SEGMENT`] and others, by vertex; vertices beyond its end are free.
     pub(super) kinds: Vec<u8>,
+    carriers: Vec<Carrier>,
     pub(super) segments: Vec<Segment>,
     pub(super) facets: Vec<FacetTriangulation>,
     /// The segment of each subsegment.
     pub(super) subsegments: FxHashMap<[u32; 2], u32>,
     /// The facet of each subfacet.
     pub(super) subfacets: FxHashMap<[u32; 3], u32>,
-    /// Whether it is the hull of bare points. Then its own vertices encroach upon nothing: hull facets are never missing, and between
-    /// the slender facets of such a hull splits would call each other for ever.
-    pub(super) is_hull: bool,
     /// Encroached or missing subsegments, to be split; those that are gone by their turn are passed over.
     pub(crate) pending_segments: VecDeque<[u32; 2]>,
     pub(crate) pending_facets: VecDeque<[u32; 3]>,
@@ -88,11 +89,33 @@ impl Boundary {
         self.kinds.get(v as usize).copied().unwrap_or(0)
     }
 
+    /// The input element that a vertex lies on.
+    pub(super) fn carrier(&self, v: u32) -> Carrier {
+        self.carriers.get(v as usize).copied().unwrap_or_default()
+    }
+
     pub(super) fn mark(&mut self, v: u32, kind: u8) {
         if self.kinds.len() <= v as usize {
             self.kinds.resize(v as usize + 1, 0);
         }
         self.kinds[v as usize] |= kind;
+    }
+
+    /// Notes the input element that a vertex lies on, unless a lower one is known.
+    pub(super) fn carry(&mut self, v: u32, carrier: Carrier) {
+        if self.carriers.len() <= v as usize {
+            self.carriers.resize(v as usize + 1, Carrier::Free);
+        }
+        let rank = |carrier| match carrier {
+            Carrier::Vertex(_) => 0,
+            Carrier::Segment(_) => 1,
+            Carrier::Facet(_) => 2,
+            Carrier::Free => 3,
+        };
+        let known = &mut self.carriers[v as usize];
+        if rank(carrier) < rank(*known) {
+            *known = carrier;
+        }
     }
 
     /// All subsegments, lower vertex first, in order; with the position of their segment.
@@ -186,16 +209,30 @@ impl Boundary {
         }
     }
 
-    /// Whether a vertex can encroach upon anything.
-    fn may_encroach(&self, v: u32) -> bool {
-        v != GHOST && !(self.is_hull && self.kind(v) != 0)
+    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted.
+    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached) {
+        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v));
+        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v));
+        self.enqueue(&found);
     }
 
-    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon.
-    pub(crate) fn enqueue_for(&mut self, v: u32, found: &Encroached) {
-        if self.may_encroach(v) {
-            self.enqueue(found);
+    /// Whether a vertex, or the ghost, encroaches upon a subsegment.
+    fn vertex_encroaches_segment(&self, t: &Triangulation, edge: [u32; 2], v: u32) -> bool {
+        if v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
+            return false;
         }
+        let Some(&segment) = self.subsegments.get(&edge_key(edge)) else { return false };
+        self.may_encroach(t, v, Carrier::Segment(segment), 0.5 * t.at(edge[0]) + 0.5 * t.at(edge[1]))
+    }
+
+    /// Whether a vertex, or the ghost, encroaches upon a subfacet.
+    fn vertex_encroaches_facet(&self, t: &Triangulation, face: [u32; 3], v: u32) -> bool {
+        let corners = face.map(|v| t.at(v));
+        if v == GHOST || !encroaches_facet(corners, t.at(v)) {
+            return false;
+        }
+        let Some(&facet) = self.subfacets.get(&face_key(face)) else { return false };
+        self.may_encroach(t, v, Carrier::Facet(facet), (corners[0] + corners[1] + corners[2]) / 3.0)
     }
 
     fn waits_segment(&self, edge: [u32; 2]) -> bool {
@@ -270,20 +307,17 @@ impl Boundary {
     fn needs_split_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> bool {
         match t.topology.find_edge(a, b) {
             None => true,
-            Some((tet, i, j)) => t.topology.around_edge(tet, i, j).any(|(around, k, _)| {
-                let v = t.topology.tet(around).v[k];
-                self.may_encroach(v) && encroaches_segment([t.at(a), t.at(b)], t.at(v))
-            }),
+            Some((tet, i, j)) => t
+                .topology
+                .around_edge(tet, i, j)
+                .any(|(around, k, _)| self.vertex_encroaches_segment(t, [a, b], t.topology.tet(around).v[k])),
         }
     }
 
     /// Whether a subfacet is missing or encroached. If any vertex lies in its smallest ball, one of its two apices does.
     fn needs_split_facet(&self, t: &Triangulation, face: [u32; 3]) -> bool {
         let mut apices = t.face_apices(face).peekable();
-        apices.peek().is_none() || {
-            let corners = face.map(|v| t.at(v));
-            apices.any(|v| self.may_encroach(v) && encroaches_facet(corners, t.at(v)))
-        }
+        apices.peek().is_none() || apices.any(|v| self.vertex_encroaches_facet(t, face, v))
     }
 
     /// Queues those of the elements at vertex `new` that are missing or encroached; `star` are the tetrahedra at it.
@@ -306,15 +340,13 @@ impl Boundary {
         for &edge in segments {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
-            let ends = edge.map(|v| t.at(v));
-            if around.is_empty() || around.iter().any(|&v| self.may_encroach(v) && encroaches_segment(ends, t.at(v))) {
+            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
                 self.pending_segments.push_back(edge_key(edge));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
-            let corners = face.map(|v| t.at(v));
-            if around.is_empty() || around.iter().any(|&v| self.may_encroach(v) && encroaches_facet(corners, t.at(v))) {
+            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
                 self.pending_facets.push_back(face_key(face));
             }
         }

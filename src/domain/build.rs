@@ -8,6 +8,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
+use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, Segment, ACUTE, ON_FACET, ON_SEGMENT};
 use super::facet::{dominant_axis, FacetTriangulation};
 use super::plc::{Plc, PlcFacet};
@@ -90,7 +91,7 @@ impl Boundary {
 
     /// The hull as boundary: exactly coplanar hull facets are joined, the edges between others are segments.
     pub(crate) fn from_hull(t: &Triangulation) -> Boundary {
-        let mut boundary = Boundary { is_hull: true, ..Boundary::default() };
+        let mut boundary = Boundary::default();
         let ghosts: Vec<u32> = t.topology.live().filter(|&g| t.topology.tet(g).is_ghost()).collect();
         let mut facet_of: FxHashMap<u32, u32> = FxHashMap::default();
         for &seed in &ghosts {
@@ -120,7 +121,10 @@ impl Boundary {
             let facet = FacetTriangulation::new(&triangles, normal, 0, t.points());
             for &face in &triangles {
                 boundary.subfacets.insert(face_key(face), index);
-                face.into_iter().for_each(|v| boundary.mark(v, ON_FACET));
+                for v in face {
+                    boundary.mark(v, ON_FACET);
+                    boundary.carry(v, Carrier::Vertex(v));
+                }
             }
             boundary.facets.push(facet);
         }
@@ -133,10 +137,12 @@ impl Boundary {
                     let mut ends = tet.v.into_iter().filter(|&v| v != GHOST && v != tet.v[slot]);
                     if let (Some(a), Some(b)) = (ends.next(), ends.next()) {
                         let segment = boundary.segments.len() as u32;
-                        boundary.segments.push(Segment { marker: 0, facets: vec![mine, other] });
+                        boundary.segments.push(Segment { marker: 0, ends: [a, b], facets: vec![mine, other] });
                         boundary.subsegments.insert(edge_key([a, b]), segment);
-                        boundary.mark(a, ON_SEGMENT);
-                        boundary.mark(b, ON_SEGMENT);
+                        for v in [a, b] {
+                            boundary.mark(v, ON_SEGMENT);
+                            boundary.carry(v, Carrier::Vertex(v));
+                        }
                     }
                 }
             }
@@ -169,7 +175,7 @@ impl Boundary {
                 Some(&segment) => segment,
                 None => {
                     let segment = *own.get_or_insert_with(|| {
-                        self.segments.push(Segment { marker, facets: Vec::new() });
+                        self.segments.push(Segment { marker, ends: [a, b], facets: Vec::new() });
                         self.segments.len() as u32 - 1
                     });
                     self.subsegments.insert(key, segment);
@@ -182,7 +188,10 @@ impl Boundary {
                     facets.push(facet);
                 }
             }
-            pair.iter().for_each(|&v| self.mark(v, ON_SEGMENT));
+            for &v in pair {
+                self.mark(v, ON_SEGMENT);
+                self.carry(v, Carrier::Vertex(v));
+            }
             parts.push(key);
         }
         parts
@@ -220,7 +229,10 @@ impl Boundary {
             if self.subfacets.insert(face_key(face), position).is_some() {
                 return Err(invalid(element, "overlaps another facet"));
             }
-            face.into_iter().for_each(|v| self.mark(v, ON_FACET));
+            for v in face {
+                self.mark(v, ON_FACET);
+                self.carry(v, Carrier::Vertex(v));
+            }
         }
         self.facets.push(planar);
         Ok(())

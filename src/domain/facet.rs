@@ -21,6 +21,8 @@ use crate::geometry::{Filter, Sign};
 pub struct FacetTriangulation {
     /// The caller's own number for the facet.
     pub marker: i32,
+    /// The vertices that it started with.
+    pub corners: Vec<u32>,
     /// The coordinate that is dropped.
     axis: usize,
     /// Above the facet, for circle tests.
@@ -88,7 +90,10 @@ impl FacetTriangulation {
         let mut above = corners().next().unwrap_or_default();
         above[axis] = high[axis] + 2.0 * (high - low).max_element().max(crate::geometry::MIN_LENGTH);
         filter.extend(above);
-        let mut facet = FacetTriangulation { marker, axis, above, filter, apex: FxHashMap::default() };
+        let mut unique: Vec<u32> = triangles.iter().flatten().copied().collect();
+        unique.sort_unstable();
+        unique.dedup();
+        let mut facet = FacetTriangulation { marker, corners: unique, axis, above, filter, apex: FxHashMap::default() };
         for &[a, b, c] in triangles {
             let at = |v: u32| points[v as usize];
             let positive = orient2d(axis, at(a), at(b), at(c)) != Sign::Negative;

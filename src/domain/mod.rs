@@ -7,12 +7,14 @@
 //! | `build` | from complex, or hull, to boundary |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
+//! | `acute` | small input angles |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
 //! or subfacet that is missing from the triangulation, or encroached, is split.
 
+mod acute;
 pub mod boundary;
 mod build;
 pub mod facet;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
 use super::facet::{FacetChange, InSpace};
 use crate::triangulation::cavity::Cavity;
@@ -71,6 +72,7 @@ impl Boundary {
             self.subsegments.entry(part).or_insert(segment);
         }
         self.mark(new, ON_SEGMENT);
+        self.carry(new, Carrier::Segment(segment));
         self.enqueue_new(t, new, star, &parts, &[]);
         for (facet, change) in changes {
             self.facet_changed(t, new, *facet, change, star);
@@ -118,6 +120,7 @@ impl Boundary {
             self.subfacets.insert(face_key(face), facet);
         }
         self.mark(new, ON_FACET);
+        self.carry(new, Carrier::Facet(facet));
     }
 }
 

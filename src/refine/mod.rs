@@ -7,7 +7,7 @@
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
-mod queue;
+pub(crate) mod queue;
 pub(crate) mod refiner;
 pub(crate) mod split;
 pub mod step;
@@ -67,8 +67,9 @@ pub enum RefineStatus {
     Cancelled,
     /// The vertex limit was reached. The mesh is valid.
     VertexLimit,
-    /// Some tetrahedra are left bad because mending them would need an edge below the minimum length.
-    MinEdge,
+    /// Some tetrahedra are left bad: mending them would need an edge below the minimum length, or their shortest edge spans an input angle of
+    /// less than 60°.
+    Unrefined,
 }
 
 /// What a refinement did, and the mesh's quality after it.
@@ -90,6 +91,8 @@ pub struct RefineReport {
     pub facet_splits: usize,
     /// Tetrahedra of the domain over the bound (exact).
     pub bad: usize,
+    /// Those of them whose shortest edge spans an input angle of less than 60°: the input doesn't let them be mended.
+    pub bad_at_small_angles: usize,
     /// The largest radius-edge ratio in the domain, 0 without tetrahedra.
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.

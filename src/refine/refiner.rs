@@ -110,7 +110,7 @@ impl<'a> Refiner<'a> {
             let Some(t) = self.queue.pop(self.t) else { break };
             self.mend(t)?;
         }
-        Ok(if self.refused { RefineStatus::MinEdge } else { RefineStatus::Done })
+        Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
     }
 
     fn limit(&self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
@@ -146,7 +146,12 @@ impl<'a> Refiner<'a> {
     /// One step for a bad tetrahedron: samples its shortest edge.
     fn mend(&mut self, tet: u32) -> Result<(), Error> {
         let v = self.t.topology.tet(tet).v;
-        let samples = self.sample(tet);
+        let ([i, j], _) = shortest_edge(self.t, tet);
+        if self.boundary.is_seditious(self.t, [v[i], v[j]]) {
+            self.refused = true;
+            return Ok(());
+        }
+        let samples = self.sample(tet, [i, j]);
         let mut placed_any = false;
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
@@ -175,9 +180,8 @@ impl<'a> Refiner<'a> {
     }
 
     /// The samples for a bad tetrahedron.
-    fn sample(&mut self, tet: u32) -> Samples {
+    fn sample(&mut self, tet: u32, [i, j]: [usize; 2]) -> Samples {
         if self.rule == Rule::Paper {
-            let ([i, j], _) = shortest_edge(self.t, tet);
             let closed = self.boundary.sector(self.t, tet, i, j, &mut self.link);
             let v = self.t.topology.tet(tet).v;
             let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));

@@ -43,7 +43,7 @@ impl Refiner<'_> {
                 let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
                 let new = self.insert_prepared(p)?;
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
-                self.boundary.enqueue_for(new, &self.encroached);
+                self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
                 self.finish(new);
                 self.segment_splits += 1;
                 Ok(Split::Done(new))
@@ -85,7 +85,7 @@ impl Refiner<'_> {
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
         self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
-        self.boundary.enqueue_for(new, &self.encroached);
+        self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
         self.finish(new);
         self.facet_splits += 1;
         Ok(Split::Done(new))

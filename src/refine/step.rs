@@ -95,6 +95,9 @@ impl Mesh {
                 return Ok(batch);
             }
         }
+        if self.boundary().is_some_and(|boundary| boundary.is_seditious(&self.t, edge)) {
+            return Ok(batch);
+        }
         let [p, q] = edge.map(|v| self.t.at(v));
         // Each sector of the domain around the edge by itself: the first with something to mend.
         let samples =

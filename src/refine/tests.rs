@@ -104,7 +104,7 @@ fn a_minimum_edge_length_leaves_tetrahedra_bad_but_ends() {
     let mut mesh = Mesh::from_plc(&random_box(100, 9), &Control::new()).unwrap();
     let options = RefineOptions { radius_edge: 0.7, min_edge: 0.2, ..RefineOptions::default() };
     let report = mesh.refine(&options, &Control::new()).unwrap();
-    assert_eq!(report.status, RefineStatus::MinEdge);
+    assert_eq!(report.status, RefineStatus::Unrefined);
     assert!(report.bad > 0);
     mesh.validate(3).unwrap();
     let points = mesh.view().points;
@@ -131,6 +131,24 @@ fn the_hull_is_the_domain_of_bare_points() {
             assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
             check(&mesh, 2.0, before);
         }
+    }
+}
+
+#[test]
+fn slender_hulls_end_too() {
+    let mut next = numbers(17);
+    for count in [5, 10, 30, 50, 200] {
+        let points: Vec<DVec3> = (0..count).map(|_| DVec3::new(next(), next(), next())).collect();
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        let before = volume(&mesh);
+        let options = RefineOptions { max_vertices: 50_000, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        println!("{report:?}");
+        assert!(report.vertices < 50_000);
+        assert!(report.bad_at_small_angles <= report.bad);
+        mesh.validate(3).unwrap();
+        assert!((volume(&mesh) / before - 1.0).abs() < 1e-9);
     }
 }
 

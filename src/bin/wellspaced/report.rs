@@ -46,7 +46,7 @@ pub fn status_name(status: RefineStatus) -> &'static str {
         RefineStatus::Done => "done",
         RefineStatus::Cancelled => "cancelled",
         RefineStatus::VertexLimit => "vertex_limit",
-        RefineStatus::MinEdge => "min_edge",
+        RefineStatus::Unrefined => "unrefined",
         _ => "unknown",
     }
 }

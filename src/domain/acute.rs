@@ -1,0 +1,83 @@
+//! Small input angles. Where two boundary elements meet at less than 60° their splits, and the Steiner points between them, can
+//! call each other for ever: the nearer to the corner, the nearer the two elements are to each other. The distance
+//! between vertices on two such elements is given by the input, so nothing is done about it:
+//! - a boundary vertex does not encroach upon an element that it meets acutely, unless the element is missing;
+//! - a tetrahedron whose shortest edge joins two such vertices is left as it is, and counted
+//!   (the *seditious* edges of G. Miller, S. Pav, N. Walkington, "When and why Delaunay refinement algorithms work", IJCGA 15, 2005).
+//!
+//! Together with the concentric shells of [`split`](super::split) around acute vertices this lets refinement end.
+
+use super::boundary::Boundary;
+use crate::triangulation::Triangulation;
+use crate::DVec3;
+
+/// The input element of lowest dimension that a boundary vertex lies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Carrier {
+    /// None: it is a free vertex.
+    #[default]
+    Free,
+    /// The vertex is an end of a segment or a corner of a facet.
+    Vertex(u32),
+    /// Inside this segment.
+    Segment(u32),
+    /// Inside this facet.
+    Facet(u32),
+}
+
+/// Whether the angle between two directions is below 60°. This decides what is worth doing, not what is right; rounding may.
+fn is_acute(u: DVec3, v: DVec3) -> bool {
+    let dot = u.dot(v);
+    dot > 0.0 && dot * dot > 0.25 * (1.0 + 1e-9) * u.length_squared() * v.length_squared()
+}
+
+impl Boundary {
+    /// The input vertices of a carrier.
+    fn corners<'a>(&'a self, carrier: &'a Carrier) -> &'a [u32] {
+        match carrier {
+            Carrier::Free => &[],
+            Carrier::Vertex(v) => std::slice::from_ref(v),
+            Carrier::Segment(s) => &self.segments[*s as usize].ends,
+            Carrier::Facet(f) => &self.facets[*f as usize].corners,
+        }
+    }
+
+    /// Whether points `p` and `q` on two boundary elements see each other across an acute input angle: the elements differ, neither lies in
+    /// the other, and they meet at a vertex or along a line at less than 60°.
+    pub(super) fn meet_acutely(&self, t: &Triangulation, (a, p): (Carrier, DVec3), (b, q): (Carrier, DVec3)) -> bool {
+        if a == b {
+            return false;
+        }
+        if let (Carrier::Segment(s), Carrier::Facet(f)) | (Carrier::Facet(f), Carrier::Segment(s)) = (a, b) {
+            if self.segments[s as usize].facets.contains(&f) {
+                return false;
+            }
+        }
+        let (corners, others) = (self.corners(&a), self.corners(&b));
+        // An element's own corner is no element that it meets.
+        if corners.len() < 2 || others.len() < 2 {
+            return false;
+        }
+        let mut shared = corners.iter().copied().filter(|v| others.contains(v)).map(|v| t.at(v));
+        match (shared.next(), shared.next()) {
+            (Some(x), None) => is_acute(p - x, q - x),
+            (Some(x), Some(y)) => {
+                let along = (y - x).normalize_or_zero();
+                is_acute((p - x).reject_from_normalized(along), (q - x).reject_from_normalized(along))
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether an edge's length is given by an acute input angle.
+    pub(crate) fn is_seditious(&self, t: &Triangulation, [v, w]: [u32; 2]) -> bool {
+        self.kind(v) != 0
+            && self.kind(w) != 0
+            && self.meet_acutely(t, (self.carrier(v), t.at(v)), (self.carrier(w), t.at(w)))
+    }
+
+    /// Whether a vertex can encroach upon subsegments of a segment, or subfacets of a facet, near `middle`.
+    pub(super) fn may_encroach(&self, t: &Triangulation, v: u32, element: Carrier, middle: DVec3) -> bool {
+        self.kind(v) == 0 || !self.meet_acutely(t, (self.carrier(v), t.at(v)), (element, middle))
+    }
+}
