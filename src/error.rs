@@ -26,6 +26,8 @@ pub enum Error {
     InvalidDomain { element: DomainElement, problem: String },
     /// The operation needs a domain and the mesh has none, or has one already.
     Domain { problem: &'static str },
+    /// The control cancelled a call that has no result to give then.
+    Cancelled,
     /// Memory for `what` could not be had.
     OutOfMemory { what: &'static str },
 }
@@ -83,6 +85,7 @@ impl fmt::Display for Error {
             }
             Error::InvalidDomain { element, problem } => write!(f, "{element}: {problem}"),
             Error::Domain { problem } => f.write_str(problem),
+            Error::Cancelled => f.write_str("cancelled"),
             Error::OutOfMemory { what } => write!(f, "out of memory for {what}"),
         }
     }

@@ -58,22 +58,28 @@ impl Mesh {
     /// The triangulation of the complex's points, with the complex as its domain.
     ///
     /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation, or
-    /// encroached. [`Error::Domain`] when the control cancels it.
+    /// encroached. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
+    /// unusable, and tells when the facets enclose no volume; [`Error::Cancelled`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
         plc.check_references()?;
         let mut mesh = Mesh::new();
-        let cancelled = Error::Domain { problem: "cancelled before the domain's boundary was recovered" };
-        let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(cancelled.clone())?;
+        let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
         mesh.input_vertices = mesh.t.vertex_count();
-        if mesh.t.dimension() < 3 && !plc.facets.is_empty() {
-            return Err(Error::InvalidDomain {
-                element: crate::DomainElement::Whole,
-                problem: "its points lie in a plane and enclose no volume".into(),
-            });
+        let whole = |problem: &str| Error::InvalidDomain { element: crate::DomainElement::Whole, problem: problem.into() };
+        if plc.facets.is_empty() {
+            if !plc.segments.is_empty() {
+                return Err(whole("has segments but no facets that enclose a volume"));
+            }
+            mesh.use_hull_as_domain()?;
+            return Ok(mesh);
+        }
+        if mesh.t.dimension() < 3 {
+            return Err(whole("its points lie in a plane and enclose no volume"));
         }
         let boundary = Boundary::from_plc(&mesh.t, plc, &ids)?;
         match mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? {
-            RefineStatus::Cancelled => Err(cancelled),
+            RefineStatus::Cancelled => Err(Error::Cancelled),
+            _ if mesh.inside().next().is_none() => Err(whole("its facets enclose no volume")),
             _ => Ok(mesh),
         }
     }

@@ -8,8 +8,7 @@ use super::status::*;
 use super::steps::{ends, wsp_edge};
 use super::triangulation::wsp_triangulation;
 use super::{args, sized};
-use crate::geometry::flush_tiny;
-use crate::{Batch, Origin, StepOptions, Triangulation};
+use crate::{Batch, Origin, StepOptions};
 
 /// The Steiner points of one step. It never changes, so any thread may read it at any time.
 pub struct wsp_batch {
@@ -120,19 +119,11 @@ pub unsafe extern "C" fn wsp_triangulation_insert_batch(
         }
         let new_ids = state.change(|mesh| mesh.insert_batch(&batch.batch))?;
         if !ids.is_null() {
-            let all = per_point(state.mesh.triangulation(), &batch.points, &new_ids);
+            let all: Vec<u32> = new_ids.into_iter().map(|id| id.unwrap_or(WSP_NONE)).collect();
             std::ptr::copy(all.as_ptr(), ids, all.len());
         }
         Ok(WSP_DONE)
     })
-}
-
-/// The new vertices beside the points that they came from: both are in the same order, but points may be left out.
-fn per_point(triangulation: &Triangulation, points: &[DVec3], new_ids: &[u32]) -> Vec<u32> {
-    let mut new_ids = new_ids.iter().copied().peekable();
-    let id =
-        |&point: &DVec3| new_ids.next_if(|&id| triangulation.point(id) == Some(flush_tiny(point))).unwrap_or(WSP_NONE);
-    points.iter().map(id).collect()
 }
 
 /// Frees a batch; NULL is ignored.

@@ -34,6 +34,8 @@ impl From<Error> for Failure {
             Error::InvalidOption { .. } => WSP_ERR_OPTION,
             Error::InvalidDomain { .. } => WSP_ERR_INVALID_DOMAIN,
             Error::Domain { .. } => WSP_ERR_DOMAIN,
+            // Calls that can be cancelled answer WSP_CANCELLED themselves.
+            Error::Cancelled => WSP_ERR_INTERNAL,
             Error::OutOfMemory { .. } => WSP_ERR_MEMORY,
         };
         Failure::new(status, error.to_string())

@@ -122,8 +122,8 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 /// WSP_CANCELLED.
 ///
 /// The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
-/// domains without small angles (segments below 60 degrees, facets below 90): elsewhere refinement may go on until a
-/// limit of its options ends it, so set one.
+/// domains: others may work, but their input is not checked for intersections. Where segments or facets meet at less
+/// than 60 degrees, tetrahedra between them may be left bad (WSP_UNREFINED).
 ///
 /// Cost: that of inserting the points and splits.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
@@ -143,8 +143,7 @@ pub unsafe extern "C" fn wsp_triangulation_from_plc(
         let control = control::core(control)?;
         match Mesh::from_plc(&plc, &control) {
             Ok(mesh) => give(mesh, out),
-            // The core has no mesh to give back then, so it calls a cancellation an error.
-            Err(_) if control.is_cancelled() => return Ok(WSP_CANCELLED),
+            Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
             Err(error) => return Err(error.into()),
         }
         Ok(WSP_DONE)

@@ -169,12 +169,13 @@ impl Mesh {
         }
     }
 
-    /// Inserts a batch that [`steiner_batch`](Self::steiner_batch) made for this mesh as it is. Returns the new vertices.
+    /// Inserts a batch that [`steiner_batch`](Self::steiner_batch) made for this mesh as it is. Returns the new vertex of each point,
+    /// `None` for points that were not inserted.
     ///
     /// A sample that has come to encroach upon the boundary, or a subfacet's split that would encroach upon a subsegment, is not
     /// inserted; what it encroaches upon is split by the next batches. No new vertex and no other next batch means that the edge can't be
     /// mended: its mending would need an edge below 2⁻⁴⁰ of the bounding box.
-    pub fn insert_batch(&mut self, batch: &Batch) -> Result<Vec<u32>, Error> {
+    pub fn insert_batch(&mut self, batch: &Batch) -> Result<Vec<Option<u32>>, Error> {
         for (index, point) in batch.points.iter().enumerate() {
             check_range(index, point.position)?;
         }
@@ -197,7 +198,7 @@ impl Mesh {
                 Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => done(refiner.split_facet(face)?),
                 _ => None,
             };
-            new.extend(vertex.filter(|&v| v >= first_new));
+            new.push(vertex.filter(|&v| v >= first_new));
         }
         refiner.boundary.drop_stale();
         Ok(new)

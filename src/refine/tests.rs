@@ -205,3 +205,41 @@ fn wrong_options_are_refused() {
     let options = RefineOptions { min_edge: f64::NAN, ..RefineOptions::default() };
     assert!(matches!(mesh.refine(&options, &Control::new()), Err(Error::InvalidOption { name: "min_edge", .. })));
 }
+
+#[test]
+fn domains_without_volume_are_refused() {
+    use crate::{DomainElement, PlcFacet, PlcSegment};
+    let whole = |plc: &Plc| match Mesh::from_plc(plc, &Control::new()) {
+        Err(Error::InvalidDomain { element: DomainElement::Whole, .. }) => {}
+        other => panic!("{other:?}"),
+    };
+    let mut open = random_box(5, 1);
+    open.facets.pop();
+    whole(&open);
+    let mut flat = random_box(0, 1);
+    flat.points.iter_mut().for_each(|p| p.z = 0.0);
+    flat.facets = vec![PlcFacet { polygons: vec![vec![0, 1, 3, 2]], ..PlcFacet::default() }];
+    whole(&flat);
+    let mut bare = random_box(5, 1);
+    bare.facets.clear();
+    assert_eq!(Mesh::from_plc(&bare, &Control::new()).unwrap().view().tetrahedra.is_empty(), false);
+    bare.segments.push(PlcSegment { ends: [0, 1], marker: 0 });
+    whole(&bare);
+    // Elements that name what isn't there, or have no extent.
+    let element = |plc: &Plc| match Mesh::from_plc(plc, &Control::new()) {
+        Err(Error::InvalidDomain { element, problem }) => (element, problem),
+        other => panic!("{other:?}"),
+    };
+    let mut plc = random_box(0, 1);
+    plc.facets[4].polygons[0][1] = 99;
+    assert_eq!(element(&plc).0, DomainElement::Facet(4));
+    let mut plc = random_box(0, 1);
+    plc.facets[2].polygons[0] = vec![0, 1];
+    assert_eq!(element(&plc), (DomainElement::Facet(2), "has no area: its points lie on a line".into()));
+    let mut plc = random_box(0, 1);
+    plc.facets[3].polygons[0][0] = 0;
+    assert!(element(&plc).1.starts_with("is not planar"));
+    let mut plc = random_box(0, 1);
+    plc.segments.push(PlcSegment { ends: [3, 3], marker: 0 });
+    assert_eq!(element(&plc).0, DomainElement::Segment(0));
+}
