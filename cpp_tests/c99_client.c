@@ -249,9 +249,9 @@ static void test_plc(void) {
 }
 
 static void test_refine(void) {
-    static const wsp_rule rules[] = {WSP_RULE_PAPER, WSP_RULE_CIRCUMCENTER};
+    static const wsp_rule rules[] = {WSP_RULE_SPARSE, WSP_RULE_PAPER, WSP_RULE_CIRCUMCENTER};
     size_t i;
-    for (i = 0; i < 2; ++i) {
+    for (i = 0; i < sizeof rules / sizeof *rules; ++i) {
         wsp_plc *plc = boxed(100);
         wsp_triangulation *t = NULL;
         wsp_refine_options options;
@@ -260,7 +260,7 @@ static void test_refine(void) {
         wsp_plc_free(plc);
         check_view(t, 27);
         DONE(wsp_refine_options_init(&options, sizeof options));
-        CHECK(options.radius_edge == 2 && options.rule == WSP_RULE_PAPER && options.min_edge == 0);
+        CHECK(options.radius_edge == 2 && options.rule == WSP_RULE_SPARSE && options.min_edge == 0);
         DONE(wsp_report_init(&report, sizeof report));
         options.rule = 99;
         STATUS(WSP_ERR_OPTION, wsp_refine(t, &options, NULL, &report));
@@ -290,7 +290,7 @@ static void test_steps(void) {
     DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
     wsp_plc_free(plc);
     DONE(wsp_sampler_options_init(&options, sizeof options));
-    CHECK(options.radius_edge == 2 && options.rule == WSP_RULE_PAPER);
+    CHECK(options.radius_edge == 2 && options.rule == WSP_RULE_SPARSE);
     for (;;) {
         wsp_edge edge;
         wsp_batch *batch = NULL;
@@ -304,7 +304,7 @@ static void test_steps(void) {
         CHECK(n > 0 && n <= 64);
         CHECK(wsp_batch_edge(batch).vertices[0] == edge.vertices[0]);
         CHECK(wsp_batch_edge(batch).vertices[1] == edge.vertices[1]);
-        CHECK(wsp_batch_rule(batch) == WSP_RULE_PAPER);
+        CHECK(wsp_batch_rule(batch) == WSP_RULE_SPARSE);
         CHECK(wsp_batch_span(batch) >= wsp_batch_theta(batch) && wsp_batch_theta(batch) >= 0);
         DONE(wsp_triangulation_counts(t, &before, NULL));
         DONE(wsp_triangulation_insert_batch(t, batch, ids));

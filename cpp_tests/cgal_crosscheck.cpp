@@ -274,6 +274,7 @@ void require_refined(const Domain& domain, double beta) {
 
 wsp_rule rule_of(const std::string& name) {
   if (name == "paper") return WSP_RULE_PAPER;
+  if (name == "sparse") return WSP_RULE_SPARSE;
   if (name == "circumcenter") return WSP_RULE_CIRCUMCENTER;
   fail("no rule " + name);
 }

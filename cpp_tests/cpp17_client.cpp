@@ -193,7 +193,7 @@ void test_steps() {
     const int failures_before = failures;
     for (auto bad = mesh.bad_short_edges(2.0); !bad.empty() && steps < 5000; bad = mesh.bad_short_edges(2.0), ++steps) {
         const wsp::batch batch = mesh.steiner_batch(bad.front(), options);
-        CHECK(!batch.empty() && batch.size() == batch.origins().size() && batch.rule() == WSP_RULE_PAPER);
+        CHECK(!batch.empty() && batch.size() == batch.origins().size() && batch.rule() == WSP_RULE_SPARSE);
         CHECK(batch.edge().vertices[0] == bad.front().vertices[0] && batch.span_angle() >= batch.theta());
         const auto ids = mesh.insert(batch);
         for (std::size_t i = 0; i < ids.size(); ++i)

@@ -220,6 +220,11 @@
 #define WSP_RULE_CIRCUMCENTER 2
 
 /**
+ * As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result.
+ */
+#define WSP_RULE_SPARSE 3
+
+/**
  * A point is at a vertex: `vertices[0]`.
  */
 #define WSP_AT_VERTEX 0
@@ -339,7 +344,7 @@ typedef struct wsp_sampler_options {
      */
     uint32_t struct_size;
     /**
-     * How Steiner points are chosen. Default: WSP_RULE_PAPER.
+     * How Steiner points are chosen. Default: WSP_RULE_SPARSE.
      */
     wsp_rule rule;
     /**
@@ -359,7 +364,7 @@ typedef struct wsp_refine_options {
      */
     uint32_t struct_size;
     /**
-     * How Steiner points are chosen. Default: WSP_RULE_PAPER.
+     * How Steiner points are chosen. Default: WSP_RULE_SPARSE.
      */
     wsp_rule rule;
     /**

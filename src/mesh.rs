@@ -65,7 +65,8 @@ impl Mesh {
         let mut mesh = Mesh::new();
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
         mesh.input_vertices = mesh.t.vertex_count();
-        let whole = |problem: &str| Error::InvalidDomain { element: crate::DomainElement::Whole, problem: problem.into() };
+        let whole =
+            |problem: &str| Error::InvalidDomain { element: crate::DomainElement::Whole, problem: problem.into() };
         if plc.facets.is_empty() {
             if !plc.segments.is_empty() {
                 return Err(whole("has segments but no facets that enclose a volume"));

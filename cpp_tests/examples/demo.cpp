@@ -78,6 +78,7 @@ int main(int argc, char** argv) {
         std::printf("%s: %zu points, radius-edge bound %g\n", argv[1], points.size(), radius_edge);
         refine(points, radius_edge, WSP_RULE_CIRCUMCENTER, "circumcenter");
         refine(points, radius_edge, WSP_RULE_PAPER, "paper");
+        refine(points, radius_edge, WSP_RULE_SPARSE, "sparse");
     } catch (const std::exception& problem) {  // wsp::error is one
         std::fprintf(stderr, "%s: %s\n", argv[1], problem.what());
         return 1;

@@ -128,7 +128,7 @@ private:
 // Option structs that are born with the defaults.
 struct sampler_options : wsp_sampler_options {
     sampler_options() { check(wsp_sampler_options_init(this, sizeof(wsp_sampler_options))); }
-    explicit sampler_options(double bound, wsp_rule chosen = WSP_RULE_PAPER) : sampler_options() {
+    explicit sampler_options(double bound, wsp_rule chosen = WSP_RULE_SPARSE) : sampler_options() {
         radius_edge = bound;
         rule = chosen;
     }
@@ -136,7 +136,7 @@ struct sampler_options : wsp_sampler_options {
 
 struct refine_options : wsp_refine_options {
     refine_options() { check(wsp_refine_options_init(this, sizeof(wsp_refine_options))); }
-    explicit refine_options(double bound, wsp_rule chosen = WSP_RULE_PAPER) : refine_options() {
+    explicit refine_options(double bound, wsp_rule chosen = WSP_RULE_SPARSE) : refine_options() {
         radius_edge = bound;
         rule = chosen;
     }

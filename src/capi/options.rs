@@ -12,9 +12,12 @@ pub type wsp_rule = u32;
 pub const WSP_RULE_PAPER: u32 = 1;
 /// One circumcentre at a time: the classical method, for comparison.
 pub const WSP_RULE_CIRCUMCENTER: u32 = 2;
+/// As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result.
+pub const WSP_RULE_SPARSE: u32 = 3;
 
 pub(super) fn rule(value: wsp_rule) -> Result<Rule, Failure> {
     match value {
+        WSP_RULE_SPARSE => Ok(Rule::Sparse),
         WSP_RULE_PAPER => Ok(Rule::Paper),
         WSP_RULE_CIRCUMCENTER => Ok(Rule::Circumcenter),
         _ => Err(Failure::new(WSP_ERR_OPTION, format!("rule is {value}, expected a WSP_RULE_ constant"))),
@@ -23,6 +26,7 @@ pub(super) fn rule(value: wsp_rule) -> Result<Rule, Failure> {
 
 pub(super) fn rule_number(rule: Rule) -> wsp_rule {
     match rule {
+        Rule::Sparse => WSP_RULE_SPARSE,
         Rule::Paper => WSP_RULE_PAPER,
         Rule::Circumcenter => WSP_RULE_CIRCUMCENTER,
     }
@@ -63,7 +67,7 @@ impl wsp_triangulation_options {
 pub struct wsp_sampler_options {
     /// Set by the `_init`.
     pub struct_size: u32,
-    /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
+    /// How Steiner points are chosen. Default: WSP_RULE_SPARSE.
     pub rule: wsp_rule,
     /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
     /// Default: 2.
@@ -88,7 +92,7 @@ unsafe impl Sized_ for wsp_sampler_options {
 pub struct wsp_refine_options {
     /// Set by the `_init`.
     pub struct_size: u32,
-    /// How Steiner points are chosen. Default: WSP_RULE_PAPER.
+    /// How Steiner points are chosen. Default: WSP_RULE_SPARSE.
     pub rule: wsp_rule,
     /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
     /// Default: 2. From 2 on refinement is sure to end by itself, and it usually does so well below; below about 1.1 it

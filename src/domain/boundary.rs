@@ -11,6 +11,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::acute::Carrier;
 use super::facet::FacetTriangulation;
+use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::GHOST;
@@ -281,6 +282,17 @@ impl Boundary {
         if let Some(face) = self.pop_facet() {
             self.pending_facets.push_front(face);
         }
+    }
+
+    /// Keeps one subsegment and one subfacet, those that `p` encroaches upon most: whose centre is nearest to it, measured by the radius of their balls.
+    /// What else it encroaches upon often needs no split any more when it comes again.
+    pub(crate) fn keep_nearest(&self, t: &Triangulation, p: DVec3, found: &mut Encroached) {
+        let depth = |center: DVec3, corner: u32| p.distance_squared(center) / t.at(corner).distance_squared(center);
+        let segment = |&[a, b]: &[u32; 2]| depth(0.5 * t.at(a) + 0.5 * t.at(b), a);
+        let facet = |&[a, b, c]: &[u32; 3]| depth(triangle_circumcenter(t.at(a), t.at(b), t.at(c)), a);
+        found.segments =
+            found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
+        found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();
     }
 
     /// Takes out what can't be split any more.

@@ -181,13 +181,13 @@ impl<'a> Refiner<'a> {
 
     /// The samples for a bad tetrahedron.
     fn sample(&mut self, tet: u32, [i, j]: [usize; 2]) -> Samples {
-        if self.rule == Rule::Paper {
+        if self.rule != Rule::Circumcenter {
             let closed = self.boundary.sector(self.t, tet, i, j, &mut self.link);
             let v = self.t.topology.tet(tet).v;
             let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));
             let t = &*self.t;
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
-            if let Some(samples) = sample_component(&self.facet, &mut self.arcs, self.radius_edge) {
+            if let Some(samples) = sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule) {
                 return samples;
             }
         }
@@ -208,6 +208,9 @@ impl<'a> Refiner<'a> {
             self.boundary.drop_blocked(&mut self.encroached);
             if !self.encroached.segments.is_empty() {
                 self.encroached.facets.clear();
+            }
+            if self.rule == Rule::Sparse {
+                self.boundary.keep_nearest(self.t, p, &mut self.encroached);
             }
             self.boundary.enqueue(&self.encroached);
             return Ok(if self.encroached.is_empty() { Placed::Refused } else { Placed::Encroaches });

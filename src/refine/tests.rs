@@ -33,7 +33,7 @@ fn check(mesh: &Mesh, beta: f64, expected_volume: f64) {
 
 #[test]
 fn boxes_are_refined_by_both_rules() {
-    for rule in [Rule::Paper, Rule::Circumcenter] {
+    for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
         for beta in [1.5, 2.0, 4.0] {
             for count in [0, 1, 2, 50] {
                 let mut mesh = Mesh::from_plc(&random_box(count, 7), &Control::new()).unwrap();
@@ -52,7 +52,7 @@ fn boxes_are_refined_by_both_rules() {
 fn small_features_grade_up_to_the_box() {
     let points = [DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
     let half = 50_000.0;
-    for rule in [Rule::Paper, Rule::Circumcenter] {
+    for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
         let plc = Plc::boxed(DVec3::splat(-half), DVec3::splat(half), points);
         let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let options = RefineOptions { radius_edge: 2.0, rule, ..RefineOptions::default() };
@@ -122,7 +122,7 @@ fn the_hull_is_the_domain_of_bare_points() {
         octahedron.chain(random_box(30, 5).points.into_iter().skip(8).map(|p| p * 0.5)).collect();
     let tetrahedron = cube[..4].iter().map(|p| DVec3::new(p.x + p.y, p.y + p.z, p.z + p.x + 0.5 * p.x * p.y)).collect();
     for points in [cube, octahedron, tetrahedron] {
-        for rule in [Rule::Paper, Rule::Circumcenter] {
+        for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
             let mut mesh = Mesh::new();
             mesh.insert(&points, None, &Control::new()).unwrap();
             let before = volume(&mesh);
@@ -160,7 +160,7 @@ fn a_turned_box_keeps_its_facets() {
     for p in &mut plc.points {
         *p = turn * *p + DVec3::new(0.1, 0.2, 0.3);
     }
-    for rule in [Rule::Paper, Rule::Circumcenter] {
+    for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
         let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let options = RefineOptions { radius_edge: 2.0, rule, max_vertices: 20_000, ..RefineOptions::default() };
         let report = mesh.refine(&options, &Control::new()).unwrap();

@@ -7,12 +7,14 @@
 //! |---|---|
 //! | [`facet`] | the Voronoi facet as an intersection of half-planes, and the arcs of the core disk's rim in it |
 //! | [`paper`] | the batch of §4 for one arc |
+//! | [`sparse`] | our own batch for one arc, of fewer samples |
 //!
 //! Link vertices are given in order around the edge, either way. `closed` says whether they form a ring; on the hull they form an open chain
 //! from one hull facet's third corner to the other's.
 
 pub mod facet;
 pub mod paper;
+pub mod sparse;
 
 use glam::DVec3;
 
@@ -24,8 +26,10 @@ use facet::{Arc, VoronoiFacet};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rule {
-    /// §4 of the paper: a batch of off-centres for the component of the largest span.
+    /// A batch of off-centres for the component of the largest span, with fewer and wider pieces than the paper's: the sparsest.
     #[default]
+    Sparse,
+    /// §4 of the paper: a batch of off-centres for the component of the largest span.
     Paper,
     /// The comparison method: the circumcentre of the bad tetrahedron.
     Circumcenter,
@@ -105,22 +109,27 @@ fn worst_tetrahedron(p: DVec3, q: DVec3, link: &[DVec3], closed: bool, radius_ed
 /// edge. `radius_edge` is β, finite and at least ½ (the paper needs 2 for its guarantee).
 pub fn sample_edge(p: DVec3, q: DVec3, link: &[DVec3], closed: bool, radius_edge: f64, rule: Rule) -> Option<Samples> {
     let worst = worst_tetrahedron(p, q, link, closed, radius_edge)?;
-    if rule == Rule::Paper {
+    if rule != Rule::Circumcenter {
         let facet = VoronoiFacet::new(p, q, link, closed);
         let mut arcs = Vec::new();
-        if let Some(samples) = sample_component(&facet, &mut arcs, radius_edge) {
+        if let Some(samples) = sample_component(&facet, &mut arcs, radius_edge, rule) {
             return Some(samples);
         }
     }
     Some(sample_circumcenter(worst))
 }
 
-/// The paper's batch for the component of the largest span; `None` when no arc of the rim lies in the facet. `arcs` is scratch memory.
-pub fn sample_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> Option<Samples> {
+/// The batch for the component of the largest span; `None` when no arc of the rim lies in the facet, or the rule has no batches.
+/// `arcs` is scratch memory.
+pub fn sample_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64, rule: Rule) -> Option<Samples> {
     facet.rim_arcs(facet.core_radius(radius_edge), arcs);
     // The first among equals, whatever rounding makes of their spans' last digits elsewhere.
     let arc = arcs.iter().copied().reduce(|a, b| if b.span > a.span { b } else { a })?;
-    let samples = paper::sample_arc(facet, arc, paper::sample_count(arc.span), radius_edge);
+    let samples = match rule {
+        Rule::Sparse => sparse::sample_arc(facet, arc, radius_edge),
+        Rule::Paper => paper::sample_arc(facet, arc, radius_edge),
+        Rule::Circumcenter => return None,
+    };
     samples.points.iter().all(|s| s.is_finite()).then_some(samples)
 }
 

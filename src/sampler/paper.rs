@@ -30,10 +30,15 @@ pub fn sample_distance(theta: f64, length: f64, radius_edge: f64) -> f64 {
     ((chord * chord + 0.25).sqrt() + chord) * length
 }
 
-/// The batch for one arc cut into `count` pieces.
-pub fn sample_arc(facet: &VoronoiFacet, arc: Arc, count: usize, radius_edge: f64) -> Samples {
+/// The batch for one arc.
+pub fn sample_arc(facet: &VoronoiFacet, arc: Arc, radius_edge: f64) -> Samples {
+    sample_pieces(facet, arc, sample_count(arc.span), 0.0, radius_edge)
+}
+
+/// The batch for one arc cut into `count` pieces, each sample placed as if its piece had at least the angle `min_theta`.
+pub(super) fn sample_pieces(facet: &VoronoiFacet, arc: Arc, count: usize, min_theta: f64, radius_edge: f64) -> Samples {
     let theta = arc.span / count as f64;
-    let distance = sample_distance(theta, facet.length, radius_edge) * (1.0 - PULL);
+    let distance = sample_distance(theta.max(min_theta), facet.length, radius_edge) * (1.0 - PULL);
     let placed: Vec<(f64, DVec3)> = (0..count)
         .map(|i| {
             let angle = arc.start + (i as f64 + 0.5) * theta;

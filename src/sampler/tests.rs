@@ -42,6 +42,18 @@ fn the_paper_s_sample_counts() {
 }
 
 #[test]
+fn our_own_sample_counts() {
+    let cases = [(1, 1), (125, 1), (127, 2), (209, 2), (211, 3), (293, 3), (295, 4), (360, 4)];
+    for (degrees, count) in cases {
+        assert_eq!(sparse::sample_count(f64::from(degrees).to_radians()), count, "{degrees}");
+    }
+    let link = ring(12, 100.0, 0.1);
+    let samples = sample_edge(P, Q, &link, true, 2.0, Rule::Sparse).unwrap();
+    assert_eq!(samples.points.len(), 4);
+    assert!(!is_bad_edge(P, Q, &samples.points, true, 2.0));
+}
+
+#[test]
 fn good_edges_get_nothing() {
     let link = ring(6, 1.0, 0.0);
     assert!(!is_bad_edge(P, Q, &link, true, 2.0));
@@ -117,16 +129,24 @@ proptest! {
             let bad = is_bad_edge(p, q, &link, closed, beta);
             let samples = sample_edge(p, q, &link, closed, beta, Rule::Paper);
             prop_assert_eq!(bad, samples.is_some());
-            let Some(samples) = samples.filter(|s| s.span > 0.0) else { continue };
-            let least = beta * p.distance(q) * (1.0 - 1e-8);
-            for (i, s) in samples.points.iter().enumerate() {
-                for &v in &points {
-                    prop_assert!(s.distance(v) >= least, "Lemma 1: {} from {}", s, v);
+            let length = p.distance(q) * (1.0 - 1e-8);
+            let check = |samples: Option<Samples>, to_vertices: f64| {
+                let Some(samples) = samples.filter(|s| s.span > 0.0) else { return Ok(()) };
+                for (i, s) in samples.points.iter().enumerate() {
+                    for &v in &points {
+                        prop_assert!(s.distance(v) >= to_vertices * length, "Lemma 1: {} from {}", s, v);
+                    }
+                    for r in &samples.points[..i] {
+                        prop_assert!(s.distance(*r) >= beta * length, "Lemma 2: {} from {}", s, r);
+                    }
                 }
-                for r in &samples.points[..i] {
-                    prop_assert!(s.distance(*r) >= least, "Lemma 2: {} from {}", s, r);
-                }
-            }
+                Ok(())
+            };
+            check(samples, beta)?;
+            // Our own rule keeps the distance of its widest piece, or β where the facet ends before.
+            let widest = paper::sample_distance(sparse::MAX_THETA, 1.0, beta).hypot(0.5);
+            prop_assert!(widest > 1.0);
+            check(sample_edge(p, q, &link, closed, beta, Rule::Sparse), widest.min(beta))?;
         }
     }
 

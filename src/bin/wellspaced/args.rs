@@ -53,7 +53,7 @@ pub struct Refine {
     #[arg(short = 'b', long, value_name = "B")]
     pub radius_edge: f64,
     /// How Steiner points are chosen
-    #[arg(long, value_enum, default_value_t = RuleName::Paper)]
+    #[arg(long, value_enum, default_value_t = RuleName::Sparse)]
     pub rule: RuleName,
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
@@ -104,6 +104,8 @@ pub const DEFAULT_SEED: u64 = 1;
 /// The sampling rules by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RuleName {
+    /// Batches of off-centres, fewer and wider apart than the paper's
+    Sparse,
     /// Batches of off-centres, as in the paper
     Paper,
     /// The circumcentre of the bad tetrahedron, the classical method
@@ -112,11 +114,12 @@ pub enum RuleName {
 
 impl RuleName {
     /// All rules of the table, the one that the others are compared with first.
-    pub const TABLE: [RuleName; 2] = [RuleName::Circumcenter, RuleName::Paper];
+    pub const TABLE: [RuleName; 3] = [RuleName::Circumcenter, RuleName::Paper, RuleName::Sparse];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            RuleName::Sparse => "sparse",
             RuleName::Paper => "paper",
             RuleName::Circumcenter => "circumcenter",
         }
@@ -126,6 +129,7 @@ impl RuleName {
 impl From<RuleName> for Rule {
     fn from(name: RuleName) -> Rule {
         match name {
+            RuleName::Sparse => Rule::Sparse,
             RuleName::Paper => Rule::Paper,
             RuleName::Circumcenter => Rule::Circumcenter,
         }

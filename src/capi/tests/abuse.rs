@@ -140,7 +140,7 @@ fn unknown_struct_sizes_are_refused() {
             expect(WSP_ERR_STRUCT_SIZE, wsp_refine(t.0, &options, null_mut(), null_mut()));
         }
         done(wsp_refine_options_init(&mut options, size));
-        assert_eq!((options.struct_size as usize, options.rule), (size, WSP_RULE_PAPER));
+        assert_eq!((options.struct_size as usize, options.rule), (size, WSP_RULE_SPARSE));
         assert_eq!((options.radius_edge, options.min_edge, options.max_vertices), (2.0, 0.0, 100_000_000));
 
         let mut report: wsp_report = std::mem::zeroed();
@@ -152,7 +152,7 @@ fn unknown_struct_sizes_are_refused() {
         let edge = wsp_edge { vertices: [0, 1] };
         expect(WSP_ERR_STRUCT_SIZE, wsp_steiner_batch(t.0, edge, &sampler, &mut batch));
         done(wsp_sampler_options_init(&mut sampler, size_of::<wsp_sampler_options>()));
-        assert_eq!((sampler.rule, sampler.radius_edge), (WSP_RULE_PAPER, 2.0));
+        assert_eq!((sampler.rule, sampler.radius_edge), (WSP_RULE_SPARSE, 2.0));
         let mut options: wsp_triangulation_options = std::mem::zeroed();
         let mut out = t.0;
         expect(WSP_ERR_STRUCT_SIZE, wsp_triangulation_new(&options, &mut out));
@@ -172,7 +172,7 @@ fn unknown_option_values_are_refused() {
     unsafe {
         let mut options: wsp_refine_options = std::mem::zeroed();
         done(wsp_refine_options_init(&mut options, size_of::<wsp_refine_options>()));
-        for rule in [0, 3, u32::MAX] {
+        for rule in [0, 4, u32::MAX] {
             let options = wsp_refine_options { rule, ..options };
             expect(WSP_ERR_OPTION, wsp_refine(t.0, &options, null_mut(), null_mut()));
         }

@@ -63,7 +63,7 @@ fn until_no_bad_short_edge_is_left() {
             let n = wsp_batch_count(batch);
             assert!(n > 0, "a bad edge has a step");
             assert_eq!(wsp_batch_edge(batch), edge);
-            assert_eq!(wsp_batch_rule(batch), WSP_RULE_PAPER);
+            assert_eq!(wsp_batch_rule(batch), WSP_RULE_SPARSE);
             let (span, theta) = (wsp_batch_span(batch), wsp_batch_theta(batch));
             assert!((0.0..=std::f64::consts::TAU).contains(&span) && (0.0..=span).contains(&theta));
             let points = array(wsp_batch_points(batch), 3 * n).to_vec();
