@@ -298,7 +298,7 @@ void refine(const std::string& path, double beta, const std::string& rule) {
               report.vertices - before == report.samples + report.segment_splits + report.facet_splits,
           "the report counts otherwise than the view");
   // A rounded figure: require_refined has the exact answer.
-  require(report.worst_radius_edge > 0 && report.worst_radius_edge <= beta * (1 + 1e-12),
+  require(report.worst_radius_edge > 0 && report.worst_radius_edge <= beta * (1 + 1e-9),
           "worst_radius_edge is over the bound");
 }
 

@@ -79,6 +79,22 @@ impl Dyadic {
         let at = |d: &Dyadic| &d.mantissa << (d.exponent - exponent) as u64;
         Dyadic { mantissa: f(at(self), at(other)), exponent }
     }
+
+    /// `self / other`, rounded; NaN or infinite where `other` is 0.
+    pub fn quotient(&self, other: &Self) -> f64 {
+        let ((a, i), (b, j)) = (self.leading(), other.leading());
+        // Two steps, so that neither power leaves the range of doubles before the product does.
+        let exponent = (i - j).clamp(-4000, 4000) as i32;
+        a / b * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2)
+    }
+
+    /// The number's leading bits as a double of moderate size, and the power of two that they lack.
+    fn leading(&self) -> (f64, i64) {
+        let surplus = self.mantissa.bits().saturating_sub(64);
+        let bits = (self.mantissa.magnitude() >> surplus).iter_u64_digits().next().unwrap_or(0) as f64;
+        let signed = if self.mantissa.sign() == BigSign::Minus { -bits } else { bits };
+        (signed, self.exponent + surplus as i64)
+    }
 }
 
 impl Scalar for Dyadic {
@@ -165,6 +181,16 @@ mod tests {
         let (a, b) = (1.0 / 3.0, 1e-17);
         assert_eq!(difference_of_squares::<Running>(a, b).sign(), None);
         assert_eq!(exact_sign!(difference_of_squares(a, b)), Sign::Positive);
+    }
+
+    #[test]
+    fn quotients_are_rounded_once() {
+        let quotient =
+            |a: f64, b: f64| Dyadic::new(a).mul(&Dyadic::new(1e300)).quotient(&Dyadic::new(b).mul(&Dyadic::new(1e300)));
+        assert_eq!(quotient(-1.0, 4.0), -0.25);
+        assert!((quotient(1e-200, 3e-200) - 1.0 / 3.0).abs() < 1e-15);
+        assert_eq!(quotient(0.0, 3.0), 0.0);
+        assert_eq!(quotient(1.0, 0.0), f64::INFINITY);
     }
 
     #[test]
