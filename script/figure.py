@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the vertices of refined meshes side by side, circumcentre insertion left and the sparse rule right, like
+"""Draws the vertices of refined meshes side by side, circumcentre insertion, the paper's rule and ours, like
 Figures 6 and 7 of the paper.
 
     figure.py FOLDER FIGURE.png
 
-FOLDER holds NAME-RULE.vtu for the data sets cube1, helix, ellipsoid and the rules circumcenter, paper.
+FOLDER holds NAME-RULE.vtu for the data sets cube1, helix, ellipsoid and the rules circumcenter, paper, sparse.
 """
 import sys
 from pathlib import Path
@@ -17,7 +17,7 @@ import meshio
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 
-RULES = {"circumcenter": "circumcentre insertion", "paper": "the paper's sparse rule"}
+RULES = {"circumcenter": "circumcentre insertion", "paper": "the paper's rule", "sparse": "sparse, the default"}
 INPUT = "#111111"
 # Steiner points from near to far.
 DEPTH = LinearSegmentedColormap.from_list("depth", ["#b5300e", "#e8743b", "#f3c3a1"])
@@ -79,7 +79,7 @@ def draw(axes, points, steiner, view, size):
 def main():
     folder, figure = Path(sys.argv[1]), sys.argv[2]
     heights = [1, 0.75, 0.6]
-    plot, grid = plt.subplots(len(VIEWS), len(RULES), figsize=(10, 12.6), gridspec_kw={"height_ratios": heights})
+    plot, grid = plt.subplots(len(VIEWS), len(RULES), figsize=(14, 12.6), gridspec_kw={"height_ratios": heights})
     for row, (name, view) in zip(grid, VIEWS.items()):
         limits = []
         for axes, (rule, title) in zip(row, RULES.items()):
