@@ -10,26 +10,65 @@ use glam::DVec3;
 #[non_exhaustive]
 pub enum Error {
     /// A coordinate of point `index` is NaN or infinite.
-    NotFinite { index: usize, point: DVec3 },
+    NotFinite {
+        /// Its position in the caller's list.
+        index: usize,
+        /// The point as given.
+        point: DVec3,
+    },
     /// A coordinate of point `index` is too large or too small for the exact predicates:
     /// other than 0, magnitudes from 2⁻¹⁴² to 2²⁰¹ are accepted.
-    OutOfRange { index: usize, point: DVec3 },
+    OutOfRange {
+        /// Its position in the caller's list.
+        index: usize,
+        /// The point as given.
+        point: DVec3,
+    },
     /// More vertices or tetrahedra than 32-bit indices can name.
-    TooManyVertices { requested: usize, limit: usize },
+    TooManyVertices {
+        /// How many there would be.
+        requested: usize,
+        /// How many there can be.
+        limit: usize,
+    },
     /// There is no (longer a) vertex of this id.
-    NoSuchVertex { vertex: u32 },
+    NoSuchVertex {
+        /// The id.
+        vertex: u32,
+    },
     /// The two vertices are not joined by an edge of the triangulation.
-    NoSuchEdge { edge: [u32; 2] },
+    NoSuchEdge {
+        /// The two ids.
+        edge: [u32; 2],
+    },
     /// An option has a value that it can't have.
-    InvalidOption { name: &'static str, value: f64, expected: &'static str },
+    InvalidOption {
+        /// The option's field.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be, in words.
+        expected: &'static str,
+    },
     /// The domain can't be used: what is wrong, and with which element.
-    InvalidDomain { element: DomainElement, problem: String },
+    InvalidDomain {
+        /// The element.
+        element: DomainElement,
+        /// What is wrong with it, to follow its name in a sentence.
+        problem: String,
+    },
     /// The operation needs a domain and the mesh has none, or has one already.
-    Domain { problem: &'static str },
+    Domain {
+        /// Which of these, in words.
+        problem: &'static str,
+    },
     /// The control cancelled a call that has no result to give then.
     Cancelled,
     /// Memory for `what` could not be had.
-    OutOfMemory { what: &'static str },
+    OutOfMemory {
+        /// The array's name.
+        what: &'static str,
+    },
 }
 
 /// An element of a piecewise linear complex, named by its position in the caller's lists.

@@ -14,6 +14,8 @@
 //! | [`refine`] | the refinement loop |
 //! | [`mesh`] | a triangulation with its domain: what most callers hold |
 
+#![warn(missing_docs)]
+
 pub mod capi;
 mod control;
 pub mod domain;

@@ -50,11 +50,14 @@ pub struct Segment {
 /// Boundary elements that a point encroaches upon.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Encroached {
+    /// Subsegments, lower vertex first.
     pub segments: Vec<[u32; 2]>,
+    /// Subfacets, vertices in order.
     pub facets: Vec<[u32; 3]>,
 }
 
 impl Encroached {
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.segments.is_empty() && self.facets.is_empty()
     }

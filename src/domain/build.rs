@@ -218,13 +218,14 @@ impl Boundary {
         constraints.sort_unstable();
         constraints.dedup();
         vertices.extend(constraints.iter().flatten());
-        vertices.extend(vertices_on_plane(t, &vertices));
-        vertices.sort_unstable();
-        vertices.dedup();
-        let triangles = triangles_within(t, &vertices, &constraints, dominant_axis(normal), &facet.holes)
+        let mut planar = planar_triangulation(t, &mut vertices, &constraints, normal, facet)
             .map_err(|problem| invalid(element, problem))?;
-        let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, t.points());
-        planar.make_delaunay(t.points(), |edge| constraints.binary_search(&edge_key(edge)).is_ok());
+        // Other vertices in the facet keep one of its triangles from being a face. Only then is it worth to look through all.
+        if planar.triangles().into_iter().any(|face| t.face_apices(face).next().is_none()) {
+            vertices.extend(vertices_on_plane(t, &vertices));
+            planar = planar_triangulation(t, &mut vertices, &constraints, normal, facet)
+                .map_err(|problem| invalid(element, problem))?;
+        }
         for face in planar.triangles() {
             if self.subfacets.insert(face_key(face), position).is_some() {
                 return Err(invalid(element, "overlaps another facet"));
@@ -253,6 +254,22 @@ impl Boundary {
             }
         }
     }
+}
+
+/// The planar triangulation of a facet with these vertices, which are sorted on the way.
+fn planar_triangulation(
+    t: &Triangulation,
+    vertices: &mut Vec<u32>,
+    constraints: &[[u32; 2]],
+    normal: DVec3,
+    facet: &PlcFacet,
+) -> Result<FacetTriangulation, String> {
+    vertices.sort_unstable();
+    vertices.dedup();
+    let triangles = triangles_within(t, vertices, constraints, dominant_axis(normal), &facet.holes)?;
+    let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, t.points());
+    planar.make_delaunay(t.points(), |edge| constraints.binary_search(&edge_key(edge)).is_ok());
+    Ok(planar)
 }
 
 /// A normal of the plane that the vertices span, from the corner triple of the largest area found by two scans.

@@ -47,7 +47,9 @@ pub enum InSpace {
 /// What an insertion changed.
 #[derive(Clone, Debug, Default)]
 pub struct FacetChange {
+    /// Triangles that are gone.
     pub removed: Vec<[u32; 3]>,
+    /// Triangles that are new.
     pub created: Vec<[u32; 3]>,
 }
 

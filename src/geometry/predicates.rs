@@ -16,8 +16,11 @@ use robust::Coord3D;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i8)]
 pub enum Sign {
+    /// Below zero.
     Negative = -1,
+    /// Exactly zero.
     Zero = 0,
+    /// Above zero.
     Positive = 1,
 }
 

@@ -75,9 +75,11 @@ pub enum RefineStatus {
 /// What a refinement did, and the mesh's quality after it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineReport {
+    /// How it ended.
     pub status: RefineStatus,
     /// Vertices before any Steiner point.
     pub input_vertices: usize,
+    /// Vertices now.
     pub vertices: usize,
     /// Tetrahedra of the domain.
     pub tetrahedra: usize,

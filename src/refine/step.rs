@@ -29,7 +29,9 @@ pub enum Origin {
 /// One Steiner point to insert.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteinerPoint {
+    /// Where it goes.
     pub position: DVec3,
+    /// What asks for it.
     pub origin: Origin,
 }
 
@@ -38,6 +40,7 @@ pub struct SteinerPoint {
 pub struct Batch {
     /// The edge that they were asked for.
     pub edge: [u32; 2],
+    /// The points, in the order of insertion.
     pub points: Vec<SteinerPoint>,
     /// Span angle γ of the component in radians; 0 for boundary splits and circumcentres.
     pub span: f64,

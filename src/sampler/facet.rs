@@ -14,7 +14,9 @@ use glam::{DVec2, DVec3};
 /// The half-plane of points nearer to the edge than to one link vertex: `x·normal ≤ offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
+    /// Not of unit length.
     pub normal: DVec2,
+    /// k above.
     pub offset: f64,
 }
 

@@ -81,6 +81,7 @@ impl Tetrahedron {
 /// All tetrahedra, an incident one of each vertex, and what regions they belong to.
 #[derive(Clone, Debug, Default)]
 pub struct Topology {
+    /// Live and free ones.
     pub tets: Vec<Tetrahedron>,
     /// A tetrahedron at each vertex, [`NONE`] for removed vertices and below dimension 3.
     pub vertex_tet: Vec<u32>,
@@ -101,6 +102,7 @@ impl Topology {
         self.live_count() - self.ghosts
     }
 
+    /// The tetrahedron of an index.
     #[inline]
     pub fn tet(&self, t: u32) -> &Tetrahedron {
         &self.tets[t as usize]

@@ -9,6 +9,7 @@ use crate::geometry::Sign;
 /// A broken invariant. Meeting one means an error in this library, not in its input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the fields are the elements that each variant's text speaks of")]
 pub enum Defect {
     /// Two tetrahedra disagree about being neighbours, or about the face between them.
     Adjacency { tetrahedron: [u32; 4], slot: usize },
