@@ -161,16 +161,15 @@ impl Topology {
         self.tets[tet_of(g) as usize].n[slot_of(g)] = f;
     }
 
-    /// The tetrahedra around the edge in slots `i` and `j` of tetrahedron `t`, each with the slot of the vertex by
-    /// which it was entered last: successive tetrahedra share the face opposite that vertex. They come in positive order seen
-    /// from the end of slot `j` to slot `i`… the order in which `(vᵢ, vⱼ, vₖ, vₗ)` stays even.
+    /// The tetrahedra around the edge in slots `i` and `j` of tetrahedron `t`, beginning with `t`: each with the slots `k` and `l` of its other two
+    /// vertices, so that `(vᵢ, vⱼ, vₖ, vₗ)` is even. The next one lies across the face opposite `vₖ`.
     pub fn around_edge(&self, t: u32, i: usize, j: usize) -> AroundEdge<'_> {
         let tet = self.tet(t);
         let [k, _] = EVEN_REST[i][j];
         AroundEdge { topology: self, p: tet.v[i], q: tet.v[j], start: t, next: Some((t, k)) }
     }
 
-    /// Some tetrahedron with both vertices, and their slots in it. Linear in the star of the vertex with the smaller one met first.
+    /// A tetrahedron with both vertices, and their slots in it. Linear in the star of `p`.
     pub fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
         self.star(p).into_iter().find_map(|t| {
             let tet = self.tet(t);
@@ -227,8 +226,7 @@ impl Topology {
     }
 }
 
-/// Iterator of [`Topology::around_edge`]: `(tetrahedron, k, l)` with `(p, q, v[k], v[l])` even; the next tetrahedron
-/// lies across the face opposite `v[k]`, that is through `p`, `q` and `v[l]`.
+/// Iterator of [`Topology::around_edge`].
 pub struct AroundEdge<'a> {
     topology: &'a Topology,
     p: u32,
