@@ -110,6 +110,11 @@ void test_points() {
     copy.insert(wsp::point{0.5, 0.5, 0.5});
     CHECK(copy.vertex_count() == 6 && mesh.vertex_count() == 5);
     copy.validate();
+    copy.remove(2);
+    CHECK(copy.vertex_count() == 5 && thrown([&] { copy.remove(2); }) == WSP_ERR_NO_SUCH_VERTEX);
+    copy.validate();
+    CHECK(copy.insert(mesh.point(2)) == 2 && copy.vertex_count() == 6);
+    copy.validate();
 
     // Moves: the handle goes along, what stays behind is empty.
     wsp::triangulation moved = std::move(copy);

@@ -803,7 +803,8 @@ void wsp_triangulation_free(struct wsp_triangulation *triangulation);
 /**
  * Inserts `n` points, three doubles each. `ids` may be NULL; otherwise it has room for `n`, and `ids[i]` becomes the
  * vertex id of point i. Ids are numbered in the order of insertion and stay; a duplicate has the id of the first
- * point at its place. Points are decided exactly, and cospherical ones by a symbolic perturbation, so the result
+ * point at its place. A new vertex that is inserted alone (`n` is 1) takes the id of the vertex removed last, if there
+ * is one; more at once are numbered behind all ids of before. Points are decided exactly, and cospherical ones by a symbolic perturbation, so the result
  * does not depend on the order of insertion.
  *
  * All or nothing: after an error or WSP_CANCELLED the triangulation is as it was, and `ids` too.
@@ -819,6 +820,19 @@ wsp_status wsp_triangulation_insert(struct wsp_triangulation *triangulation,
                                     size_t n,
                                     uint32_t *ids,
                                     struct wsp_control *control);
+
+/**
+ * Removes a vertex. The triangulation is then that of the other points, exactly as if this one had never been
+ * there, and its dimension may have dropped. The other vertices keep their ids; this one names no vertex until an
+ * insertion takes it again, and holds NaN in the view's points.
+ *
+ * Cost: that of a triangulation of the vertex's neighbours by themselves, as of some fifteen insertions inside
+ * scattered points; linear in all vertices when the others lie in a plane.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NO_SUCH_VERTEX, WSP_ERR_DOMAIN (there is one: its vertices stay), WSP_ERR_TOO_MANY,
+ * WSP_ERR_BUSY.
+ */
+wsp_status wsp_triangulation_remove(struct wsp_triangulation *triangulation,
+                                    uint32_t vertex);
 
 /**
  * Finds the vertex, edge, face or tetrahedron of the hull that `p` is in, exactly. `hint` is a vertex near `p` or
@@ -841,8 +855,9 @@ wsp_status wsp_triangulation_dimension(const struct wsp_triangulation *triangula
                                        int32_t *dimension);
 
 /**
- * The numbers of vertices (duplicates count once) and of tetrahedra within the convex hull. Either pointer may be
- * NULL. Constant time.
+ * The numbers of vertices (duplicates count once, removed ones not) and of tetrahedra within the convex hull. Either
+ * pointer may be NULL. Constant time. After removals ids may be above the number of vertices: those of
+ * wsp_mesh_view::points_count are not.
  * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
  */
 wsp_status wsp_triangulation_counts(const struct wsp_triangulation *triangulation,

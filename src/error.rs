@@ -36,6 +36,11 @@ pub enum Error {
         /// The id.
         vertex: u32,
     },
+    /// The vertex stands where a new one was to be placed.
+    Occupied {
+        /// The id.
+        vertex: u32,
+    },
     /// The two vertices are not joined by an edge of the triangulation.
     NoSuchEdge {
         /// The two ids.
@@ -118,6 +123,7 @@ impl fmt::Display for Error {
                 write!(f, "{requested} vertices asked for, but 32-bit indices hold at most {limit}")
             }
             Error::NoSuchVertex { vertex } => write!(f, "there is no vertex {vertex}"),
+            Error::Occupied { vertex } => write!(f, "vertex {vertex} stands at this place already"),
             Error::NoSuchEdge { edge: [p, q] } => write!(f, "vertices {p} and {q} are not joined by an edge"),
             Error::InvalidOption { name, value, expected } => {
                 write!(f, "option {name} is {value}, expected {expected}")

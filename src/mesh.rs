@@ -18,8 +18,10 @@ use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangula
 pub struct Mesh {
     pub(crate) t: Triangulation,
     pub(crate) domain: Option<Domain>,
-    /// Vertices that are no Steiner points; they come first.
+    /// Vertices that are no Steiner points.
     input_vertices: usize,
+    /// Their ids are below this, and no others are.
+    input_slots: usize,
     view: OnceLock<View>,
 }
 
@@ -39,7 +41,7 @@ struct View {
 /// Arrays of the mesh for reading. Vertices are numbered by id.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshView<'a> {
-    /// One point a vertex id.
+    /// One point a vertex id; NaN for ids without a vertex, which removals leave.
     pub points: &'a [DVec3],
     /// Four vertex ids a tetrahedron, positively oriented: `det[b−a, c−a, d−a] > 0`. Those of the domain, or all without one.
     pub tetrahedra: &'a [[u32; 4]],
@@ -64,7 +66,7 @@ impl Mesh {
         plc.check_references()?;
         let mut mesh = Mesh::new();
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
-        mesh.input_vertices = mesh.t.vertex_count();
+        mesh.set_inputs();
         let whole =
             |problem: &str| Error::InvalidDomain { element: crate::DomainElement::Whole, problem: problem.into() };
         if plc.facets.is_empty() {
@@ -94,6 +96,8 @@ impl Mesh {
         let boundary = if self.t.dimension() == 3 { Boundary::from_hull(&self.t) } else { Boundary::default() };
         // The hull's facets are faces already: there is nothing to recover, only to label; encroached parts wait for the refinement.
         self.forget_view();
+        // An id of an input vertex stays one.
+        self.t.retire_free_ids();
         let mut domain = Domain { boundary };
         if self.t.dimension() == 3 {
             domain.boundary.enqueue_all(&self.t);
@@ -136,13 +140,29 @@ impl Mesh {
         self.domain.as_ref().map(|domain| &domain.boundary)
     }
 
-    /// Number of vertices that are no Steiner points; they have the lowest ids.
+    /// Number of vertices that are no Steiner points; they have the lowest ids, see
+    /// [`input_vertex_slots`](Self::input_vertex_slots).
     pub fn input_vertex_count(&self) -> usize {
         if self.domain.is_some() {
             self.input_vertices
         } else {
             self.t.vertex_count()
         }
+    }
+
+    /// A vertex is a Steiner point if its id is not below this. That is the number of [input vertices](Self::input_vertex_count) unless some have
+    /// been removed.
+    pub fn input_vertex_slots(&self) -> usize {
+        if self.domain.is_some() {
+            self.input_slots
+        } else {
+            self.t.vertex_slots()
+        }
+    }
+
+    fn set_inputs(&mut self) {
+        self.input_vertices = self.t.vertex_count();
+        self.input_slots = self.t.vertex_slots();
     }
 
     /// Inserts all points; `ids[i]` becomes the vertex of `points[i]`, for a duplicate that of the first one.
@@ -155,11 +175,24 @@ impl Mesh {
         }
         let Some(vertices) = self.t.insert_many(points, control)? else { return Ok(false) };
         self.forget_view();
-        self.input_vertices = self.t.vertex_count();
+        self.set_inputs();
         if let Some(ids) = ids {
             *ids = vertices;
         }
         Ok(true)
+    }
+
+    /// Removes a vertex; the others keep their ids. A single point that is [inserted](Self::insert) later takes the id that was freed last.
+    ///
+    /// A mesh with a domain gives no vertex away: [`Error::Domain`]. Cost: see [`Triangulation::remove`].
+    pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
+        if self.domain.is_some() {
+            return Err(Error::Domain { problem: "vertices can't be removed once the mesh has a domain" });
+        }
+        self.t.remove(vertex)?;
+        self.input_vertices -= usize::from((vertex as usize) < self.input_slots);
+        self.forget_view();
+        Ok(())
     }
 
     /// Refines until every tetrahedron of the domain keeps the bound, or a limit says stop. Without a domain the hull becomes it.

@@ -379,6 +379,9 @@ public:
         return status;
     }
 
+    // The others keep their ids.
+    void remove(std::uint32_t vertex) { check(wsp_triangulation_remove(get(), vertex)); }
+
     void use_hull_as_domain() { check(wsp_triangulation_use_hull_as_domain(get())); }
 
     bool has_domain() const {

@@ -31,6 +31,7 @@ impl From<Error> for Failure {
             Error::TooManyVertices { .. } => WSP_ERR_TOO_MANY,
             Error::NoSuchVertex { .. } => WSP_ERR_NO_SUCH_VERTEX,
             Error::NoSuchEdge { .. } => WSP_ERR_NO_SUCH_EDGE,
+            Error::Occupied { .. } => WSP_ERR_ARGUMENT,
             Error::InvalidOption { .. } => WSP_ERR_OPTION,
             Error::InvalidDomain { .. } => WSP_ERR_INVALID_DOMAIN,
             Error::Domain { .. } => WSP_ERR_DOMAIN,

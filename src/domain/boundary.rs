@@ -98,6 +98,16 @@ impl Boundary {
         self.carriers.get(v as usize).copied().unwrap_or_default()
     }
 
+    /// Forgets what is known of a vertex: its id has another one now.
+    pub(crate) fn unmark(&mut self, v: u32) {
+        if let Some(kind) = self.kinds.get_mut(v as usize) {
+            *kind = 0;
+        }
+        if let Some(carrier) = self.carriers.get_mut(v as usize) {
+            *carrier = Carrier::default();
+        }
+    }
+
     pub(super) fn mark(&mut self, v: u32, kind: u8) {
         if self.kinds.len() <= v as usize {
             self.kinds.resize(v as usize + 1, 0);

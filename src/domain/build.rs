@@ -162,7 +162,7 @@ impl Boundary {
                 let r = t.at(v);
                 v != a && v != b && r.cmpge(low).all() && r.cmple(high).all() && collinear(p, q, r)
             };
-            let mut between: Vec<u32> = (0..t.vertex_count() as u32).filter(|&v| inside(v)).collect();
+            let mut between: Vec<u32> = t.vertices().filter(|&v| inside(v)).collect();
             between.sort_unstable_by(|&v, &w| t.at(v).distance_squared(p).total_cmp(&t.at(w).distance_squared(p)));
             chain.extend(between);
         }
@@ -311,7 +311,7 @@ fn vertices_on_plane(t: &Triangulation, corners: &[u32]) -> Vec<u32> {
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     let (a, b) = (t.at(corners[0]), t.at(corners[1]));
     let Some(c) = corners[2..].iter().map(|&v| t.at(v)).find(|&c| !collinear(a, b, c)) else { return Vec::new() };
-    (0..t.vertex_count() as u32)
+    t.vertices()
         .filter(|&v| {
             let p = t.at(v);
             p.cmpge(low).all() && p.cmple(high).all() && orient3d(a, b, c, p) == Sign::Zero

@@ -46,7 +46,7 @@ impl Boundary {
             let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
             // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
             // which are found missing and split in their turn.
-            let change = t.with_point(p, |t| {
+            let change = t.with_point(new, p, |t| {
                 planar.insert(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
             });
             changes.extend(change.map(|change| (facet, change)));
@@ -94,7 +94,7 @@ impl Boundary {
         let start = planar.triangle(face)?;
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(p, |t| planar.insert(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
+        t.with_point(new, p, |t| planar.insert(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
             .map(|change| (facet, change))
     }
 
@@ -125,14 +125,6 @@ impl Boundary {
 }
 
 impl Triangulation {
-    /// Calls `f` with one more point stored behind the others.
-    fn with_point<R>(&mut self, p: DVec3, f: impl FnOnce(&Triangulation) -> R) -> R {
-        self.push_point(p);
-        let result = f(self);
-        self.pop_point();
-        result
-    }
-
     /// What becomes of a face when a cavity is filled.
     fn in_space(&self, cavity: &Cavity, [a, b, c]: [u32; 3]) -> InSpace {
         let Some((t, i, j)) = self.topology.find_edge(a, b) else { return InSpace::Missing };

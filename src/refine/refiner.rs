@@ -227,7 +227,10 @@ impl<'a> Refiner<'a> {
     }
 
     pub(super) fn insert_prepared(&mut self, p: DVec3) -> Result<u32, Error> {
-        self.t.insert_into(p, &mut self.cavity)
+        let new = self.t.insert_into(p, &mut self.cavity)?;
+        // The id may have been that of a vertex on the boundary, now removed.
+        self.boundary.unmark(new);
+        Ok(new)
     }
 
     /// Looks at the tetrahedra that the last insertion created.

@@ -39,7 +39,7 @@ impl Refiner<'_> {
             }
             (false, Ok(())) => {
                 self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
-                let next = self.t.vertex_count() as u32;
+                let next = self.t.next_vertex();
                 let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
                 let new = self.insert_prepared(p)?;
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
@@ -78,7 +78,7 @@ impl Refiner<'_> {
             return Ok(Split::Deferred);
         }
         // The planar triangulation first: it may refuse the point.
-        let new = self.t.vertex_count() as u32;
+        let new = self.t.next_vertex();
         let Some((facet, change)) = self.boundary.insert_on_facet(self.t, &self.cavity, face, new, p) else {
             return Ok(self.block_facet(face));
         };

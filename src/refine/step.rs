@@ -87,7 +87,7 @@ impl Mesh {
     /// [`use_hull_as_domain`](Self::use_hull_as_domain) prevents that.
     pub fn steiner_batch(&self, edge: [u32; 2], options: &StepOptions) -> Result<Batch, Error> {
         check_radius_edge(options.radius_edge)?;
-        if edge[0] == edge[1] || edge.iter().any(|&v| v as usize >= self.t.vertex_count()) {
+        if edge[0] == edge[1] || edge.iter().any(|&v| !self.t.is_vertex(v)) {
             return Err(Error::NoSuchEdge { edge });
         }
         let (tet, i, j) = self.t.topology.find_edge(edge[0], edge[1]).ok_or(Error::NoSuchEdge { edge })?;
@@ -187,11 +187,15 @@ impl Mesh {
         }
         self.forget_view();
         let mut free = Boundary::default();
+        if self.domain.is_none() {
+            // An id of an input vertex stays one.
+            self.t.retire_free_ids();
+        }
         let (t, boundary) = self.parts();
-        let first_new = t.vertex_count() as u32;
         let mut refiner = Refiner::new(t, boundary.unwrap_or(&mut free), &RefineOptions::default());
         let mut new = Vec::new();
         for point in &batch.points {
+            let before = refiner.t.vertex_count();
             let vertex = match point.origin {
                 Origin::Sample => match refiner.place(point.position, refiner.t.recent())? {
                     Placed::Inserted(v) => Some(v),
@@ -201,7 +205,8 @@ impl Mesh {
                 Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => done(refiner.split_facet(face)?),
                 _ => None,
             };
-            new.push(vertex.filter(|&v| v >= first_new));
+            // A split may end at a vertex that was there already.
+            new.push(vertex.filter(|_| refiner.t.vertex_count() > before));
         }
         refiner.boundary.drop_stale();
         Ok(new)

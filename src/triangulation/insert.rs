@@ -24,26 +24,29 @@ const POLL_INTERVAL: usize = 256;
 const UNINTERRUPTED: usize = 1024;
 
 impl Triangulation {
-    /// Inserts one point. `hint` is a vertex near it, if one is known.
+    /// Inserts one point. `hint` is a vertex near it, if one is known. A new vertex takes the id of the vertex removed last, if there is one.
     ///
     /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
     pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
+        self.insert_as(self.next_vertex(), point, hint)
+    }
+
+    fn insert_as(&mut self, vertex: u32, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
         check_range(0, point)?;
         self.check_room(1)?;
         let point = point + DVec3::ZERO;
         self.filter.extend(point);
         let start = self.start(hint);
-        let vertex = self.points.len() as u32;
+        let slots = self.points.len();
         let found = self.insert_new(vertex, point, start);
         if !matches!(found, Ok(inserted) if inserted.is_new) {
-            self.points.truncate(vertex as usize);
-            self.topology.vertex_tet.truncate(vertex as usize);
+            self.unstore(vertex, slots);
         }
         found
     }
 
-    /// Inserts points in a spatial order, numbers them in theirs. Returns the vertex of each point; `None` when `control`
-    /// cancelled the call. Then, as after an error, the triangulation is as it was before.
+    /// Inserts points in a spatial order, numbers them in theirs behind all ids of before (a single point as [`insert`](Self::insert) does).
+    /// Returns the vertex of each point; `None` when `control` cancelled the call. Then, as after an error, the triangulation is as it was before.
     ///
     /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it already
     /// has tetrahedra and more than a thousand points come at once.
@@ -93,7 +96,8 @@ impl Triangulation {
             if ids.len() % POLL_INTERVAL == 0 && points.len() >= UNINTERRUPTED && !control.poll() {
                 return Ok(None);
             }
-            ids.push(self.insert(point, None)?.vertex);
+            let vertex = if points.len() == 1 { self.next_vertex() } else { self.points.len() as u32 };
+            ids.push(self.insert_as(vertex, point, None)?.vertex);
             rest = others;
         }
         if rest.is_empty() {
@@ -152,31 +156,26 @@ impl Triangulation {
         Ok(Some(working))
     }
 
-    /// Stores `point` as the last vertex and inserts it. When it is not new or fails, the caller takes it off again.
+    /// Stores `point` as that vertex and inserts it. When it is not new or fails, the caller takes it off again.
     #[inline]
     fn insert_new(&mut self, vertex: u32, point: DVec3, start: u32) -> Result<Inserted, Error> {
-        debug_assert_eq!(vertex as usize, self.points.len());
+        self.store(vertex, point);
         if self.dimension() < 3 {
             return self.insert_lower(vertex, point);
         }
-        self.points.push(point);
-        self.topology.vertex_tet.push(NONE);
         self.insert_stored(vertex, start)
     }
 
     fn insert_lower(&mut self, vertex: u32, point: DVec3) -> Result<Inserted, Error> {
         if let Some(vertex) = self.lower.find(point) {
-            // Callers take the last vertex off for a duplicate.
-            self.points.push(point);
-            self.topology.vertex_tet.push(NONE);
             return Ok(Inserted { vertex, is_new: false });
         }
-        self.points.push(point);
-        self.topology.vertex_tet.push(NONE);
         if let Some(basis) = self.lower.add(vertex, point, &self.points) {
             self.start_from(basis);
-            let order = spatial_order(&self.points);
-            for v in order.into_iter().filter(|v| !basis.contains(v)) {
+            let vertices: Vec<u32> = self.vertices().collect();
+            let points: Vec<DVec3> = vertices.iter().map(|&v| self.at(v)).collect();
+            let order = spatial_order(&points).into_iter().map(|i| vertices[i as usize]);
+            for v in order.filter(|v| !basis.contains(v)) {
                 self.insert_stored(v, self.last)?;
             }
         }
@@ -184,7 +183,7 @@ impl Triangulation {
     }
 
     /// The triangulation of one tetrahedron and its four ghosts.
-    fn start_from(&mut self, [a, b, c, d]: [u32; 4]) {
+    pub(super) fn start_from(&mut self, [a, b, c, d]: [u32; 4]) {
         let (a, b) = match self.filter.orient3d(self.at(a), self.at(b), self.at(c), self.at(d)) {
             Sign::Positive => (a, b),
             _ => (b, a),
@@ -214,7 +213,7 @@ impl Triangulation {
 
     /// Inserts a vertex whose point is stored, in dimension 3.
     #[inline]
-    fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
+    pub(super) fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
         let point = self.at(vertex);
         let t = self.walk(point, start);
         if let Some(at) = self.vertex_at(t, point) {
@@ -265,29 +264,17 @@ impl Triangulation {
 
     /// Inserts the point that `cavity` was found for.
     pub(crate) fn insert_into(&mut self, point: DVec3, cavity: &mut Cavity) -> Result<u32, Error> {
-        let vertex = self.points.len() as u32;
+        let (vertex, slots) = (self.next_vertex(), self.points.len());
         if vertex as usize >= MAX_VERTICES {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: vertex as usize + 1, limit: MAX_VERTICES });
         }
-        self.points.push(point);
-        self.topology.vertex_tet.push(NONE);
+        self.store(vertex, point);
         let result = self.commit(vertex, cavity);
         if result.is_err() {
-            self.points.pop();
-            self.topology.vertex_tet.pop();
+            self.unstore(vertex, slots);
         }
         result.map(|()| vertex)
-    }
-
-    /// Stores a point behind the others, without a vertex in the triangulation.
-    pub(crate) fn push_point(&mut self, p: DVec3) {
-        self.points.push(p);
-    }
-
-    /// Takes back [`push_point`](Self::push_point).
-    pub(crate) fn pop_point(&mut self) {
-        self.points.pop();
     }
 
     /// A tetrahedron of the last insertion.

@@ -7,10 +7,10 @@ use rustc_hash::FxHashMap;
 use crate::geometry::predicates::{collinear, orient3d};
 use crate::geometry::Sign;
 
-/// The state below dimension 3, and the first four affinely independent vertices from then on.
+/// The state below dimension 3. From then on it is only known that four vertices were affinely independent.
 #[derive(Clone, Debug, Default)]
 pub struct Lower {
-    /// Affinely independent vertices; four of them in dimension 3.
+    /// Affinely independent vertices; four of them in dimension 3, where they may have been removed since.
     basis: Vec<u32>,
     /// Vertices by their coordinates' bits; empty in dimension 3, where location finds duplicates.
     by_point: FxHashMap<[u64; 3], u32>,
@@ -29,6 +29,14 @@ impl Lower {
     /// The vertex at a point, below dimension 3.
     pub fn find(&self, p: DVec3) -> Option<u32> {
         self.by_point.get(&key(p)).copied()
+    }
+
+    /// Takes vertex `v` at `p` out, below dimension 3. False when it is one of those that span the dimension: then all have to be
+    /// [added](Self::add) anew.
+    pub fn remove(&mut self, v: u32, p: DVec3) -> bool {
+        debug_assert!(self.dimension() < 3);
+        self.by_point.remove(&key(p));
+        !self.basis.contains(&v)
     }
 
     /// Takes in the new vertex `v` at `p`. Returns the simplex to start from when it was the last one missing for a volume.

@@ -4,10 +4,12 @@
 //! |---|---|
 //! | [`topology`] | tetrahedra, adjacency, ghosts; no coordinates |
 //! | [`cavity`] | what an insertion would remove and create, then doing it |
+//! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
 //! | `locate` | the visibility walk |
 //! | `insert` | one point, or many in a spatial order |
 //! | `order` | that order: BRIO rounds along a Hilbert curve |
 //! | `lower` | points that span no volume yet |
+//! | `vertices` | vertex ids, and the gaps that removals leave |
 //! | `validate` | the invariants, checked |
 //!
 //! Cospherical points are decided by [symbolic perturbation](crate::geometry::perturbation), so the triangulation of a point set is
@@ -18,8 +20,10 @@ mod insert;
 mod locate;
 mod lower;
 mod order;
+pub mod remove;
 pub mod topology;
 mod validate;
+mod vertices;
 
 use glam::DVec3;
 
@@ -34,17 +38,20 @@ pub use validate::Defect;
 
 /// A Delaunay triangulation of points of any dimension.
 ///
-/// Vertices are numbered in the order of the caller's points; a duplicate gets no number of its own. Below dimension 3 (no point, one
-/// point, points on a line or in a plane) there are vertices but no tetrahedra; the first point that spans a volume creates them all.
+/// Vertices are numbered in the order of the caller's points; a duplicate gets no number of its own. The id of a removed vertex is given to a
+/// point that is inserted alone later. Below dimension 3 (no point, one point, points on a line or in a plane) there are vertices but no
+/// tetrahedra; the first point that spans a volume creates them all.
 #[derive(Clone, Debug, Default)]
 pub struct Triangulation {
     points: Vec<DVec3>,
+    gaps: vertices::Gaps,
     pub(crate) topology: Topology,
     pub(crate) filter: Filter,
     lower: Lower,
     /// Where the last insertion happened: the next walk starts there.
     last: u32,
     scratch: Cavity,
+    hole: remove::Scratch,
 }
 
 impl Triangulation {
@@ -58,24 +65,9 @@ impl Triangulation {
         self.lower.dimension()
     }
 
-    /// Number of vertices.
-    pub fn vertex_count(&self) -> usize {
-        self.points.len()
-    }
-
     /// Number of tetrahedra.
     pub fn tetrahedron_count(&self) -> usize {
         self.topology.finite_count()
-    }
-
-    /// The points, by vertex id.
-    pub fn points(&self) -> &[DVec3] {
-        &self.points
-    }
-
-    /// The point of a vertex.
-    pub fn point(&self, vertex: u32) -> Option<DVec3> {
-        self.points.get(vertex as usize).copied()
     }
 
     /// The point of a vertex that exists.
@@ -103,7 +95,7 @@ impl Triangulation {
         })
     }
 
-    /// The corners of the box of all points; inverted when there is none.
+    /// The corners of a box of all points, inverted when there is none. Removals don't shrink it; [`compact`](Self::compact) does.
     pub fn bounding_box(&self) -> (DVec3, DVec3) {
         self.filter.bounding_box()
     }

@@ -216,6 +216,34 @@ impl Topology {
         }
     }
 
+    /// Closes the gaps among the tetrahedra and gives their memory back; vertices are renumbered as by [`renumber`](Self::renumber). Returns
+    /// the new place of tetrahedron `keep`.
+    pub fn compact(&mut self, new_id: &[u32], count: usize, keep: u32) -> u32 {
+        let mut place = vec![NONE; self.tets.len()];
+        let mut live = 0;
+        for (t, place) in place.iter_mut().enumerate() {
+            if self.tets[t].is_live() {
+                *place = live as u32;
+                self.tets[live] = self.tets[t];
+                if !self.region.is_empty() {
+                    self.region[live] = self.region[t];
+                }
+                live += 1;
+            }
+        }
+        self.tets.truncate(live);
+        self.tets.shrink_to_fit();
+        self.region.truncate(live);
+        self.region.shrink_to_fit();
+        self.free = Vec::new();
+        for tet in &mut self.tets {
+            tet.n = tet.n.map(|face| 4 * place[tet_of(face) as usize] + slot_of(face) as u32);
+        }
+        self.renumber(new_id, count);
+        self.vertex_tet.shrink_to_fit();
+        place.get(keep as usize).copied().unwrap_or(0)
+    }
+
     /// Forgets all tetrahedra but no vertex.
     pub fn clear_tetrahedra(&mut self) {
         self.tets.clear();

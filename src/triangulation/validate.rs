@@ -97,7 +97,8 @@ impl Triangulation {
         }
         for (v, &t) in topology.vertex_tet.iter().enumerate() {
             let belongs = t != NONE && topology.tets.get(t as usize).is_some_and(|tet| tet.slot(v as u32).is_some());
-            if belongs != (self.dimension() == 3) {
+            let expected = self.dimension() == 3 && self.is_vertex(v as u32);
+            if belongs != expected || (t != NONE) != expected {
                 return Err(Defect::Incidence { vertex: v as u32 });
             }
         }

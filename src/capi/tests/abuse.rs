@@ -62,6 +62,7 @@ fn null_pointers_are_refused() {
         wsp_triangulation_clone(t, null_mut());
         wsp_triangulation_insert(null_mut(), xyz, 3, null_mut(), null_mut());
         wsp_triangulation_insert(t, null(), 3, null_mut(), null_mut());
+        wsp_triangulation_remove(null_mut(), 0);
         wsp_triangulation_locate(null(), p, WSP_NONE, &mut location);
         wsp_triangulation_locate(t, null(), WSP_NONE, &mut location);
         wsp_triangulation_locate(t, p, WSP_NONE, null_mut());

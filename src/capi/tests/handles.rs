@@ -198,6 +198,107 @@ fn copies_share_nothing() {
 }
 
 #[test]
+fn removed_vertices_leave_gaps_that_are_filled_again() {
+    let points = scattered(60, 4);
+    let t = Owned::of(&points);
+    let (full, before) = (t.tetrahedra(), t.counts());
+    for v in [17, 3, 59] {
+        // SAFETY: live handles, writable results.
+        unsafe {
+            done(wsp_triangulation_remove(t.0, v));
+            let mut p = [5.0; 3];
+            expect(WSP_ERR_NO_SUCH_VERTEX, wsp_triangulation_point(t.0, v, p.as_mut_ptr()));
+            expect(WSP_ERR_NO_SUCH_VERTEX, wsp_triangulation_remove(t.0, v));
+            let mut location: wsp_location = std::mem::zeroed();
+            let xyz = points[v as usize].as_ptr();
+            expect(WSP_ERR_NO_SUCH_VERTEX, wsp_triangulation_locate(t.0, xyz, v, &mut location));
+            done(wsp_triangulation_locate(t.0, xyz, WSP_NONE, &mut location));
+            assert_ne!(location.kind, WSP_AT_VERTEX);
+            let edge = wsp_edge { vertices: [v, 0] };
+            let mut count = 0;
+            expect(WSP_ERR_NO_SUCH_VERTEX, wsp_edge_link(t.0, edge, null_mut(), 0, &mut count, null_mut()));
+            done(wsp_triangulation_validate(t.0, WSP_VALIDATE_DELAUNAY, 0.0));
+        }
+    }
+    assert_eq!(t.counts().0, 57);
+    let view = t.view();
+    assert_eq!(view.points_count, 60);
+    // SAFETY: the view's arrays, before the handle changes.
+    let (xyz, corners) = unsafe { (array(view.points, 180), array(view.tetrahedra, 4 * view.tetrahedra_count)) };
+    for v in 0..60 {
+        let removed = [3, 17, 59].contains(&v);
+        assert_eq!(xyz[3 * v].is_nan(), removed);
+        assert_eq!(corners.contains(&(v as u32)), !removed);
+    }
+    // One by one the ids freed last come first, more at once stand behind all.
+    assert_eq!(t.insert(&[points[59]]), [59]);
+    assert_eq!(t.insert(&[points[3]]), [3]);
+    assert_eq!(t.insert(&[points[3]]), [3], "a duplicate takes no id");
+    assert_eq!(t.insert(&[points[0], points[17]]), [0, 60]);
+    // SAFETY: live handles.
+    unsafe { done(wsp_triangulation_remove(t.0, 60)) };
+    assert_eq!(t.insert(&[points[17]]), [60]);
+    // SAFETY: live handles.
+    unsafe { done(wsp_triangulation_remove(t.0, 60)) };
+    assert_eq!(t.insert(&[[0.5; 3], points[17]]), [61, 62]);
+    for v in [61, 62] {
+        // SAFETY: live handles.
+        unsafe { done(wsp_triangulation_remove(t.0, v)) };
+    }
+    assert_eq!(t.counts().0, 59);
+    assert_eq!(t.insert(&[points[17]]), [62]);
+    let renamed = |v: u32| if v == 62 { 17 } else { v };
+    let mut again: Vec<[u32; 4]> = t.tetrahedra().into_iter().map(|tet| tet.map(renamed)).collect();
+    again.iter_mut().for_each(|tet| tet.sort_unstable());
+    again.sort_unstable();
+    assert_eq!((again, t.counts()), (full, before));
+}
+
+#[test]
+fn removal_ends_with_nothing_and_stops_at_a_domain() {
+    let t = Owned::of(&scattered(12, 9));
+    let mut dimension = 9;
+    let mut batch = null_mut();
+    // SAFETY: live handles, writable results.
+    unsafe {
+        done(wsp_steiner_batch(t.0, wsp_edge { vertices: edge_of(&t) }, null(), &mut batch));
+        for v in 0..12 {
+            done(wsp_triangulation_remove(t.0, v));
+            done(wsp_triangulation_validate(t.0, WSP_VALIDATE_DELAUNAY, 0.0));
+            done(wsp_triangulation_dimension(t.0, &mut dimension));
+            assert_eq!(dimension, (10 - v as i32).min(3));
+        }
+        expect(WSP_ERR_STALE, wsp_triangulation_insert_batch(t.0, batch, null_mut()));
+        wsp_batch_free(batch);
+    }
+    assert_eq!(t.counts(), (0, 0));
+    t.insert(&scattered(30, 2));
+    // SAFETY: a live handle.
+    unsafe {
+        done(wsp_triangulation_remove(t.0, 20));
+        done(wsp_triangulation_use_hull_as_domain(t.0));
+        expect(WSP_ERR_DOMAIN, wsp_triangulation_remove(t.0, 21));
+        let mut report: wsp_report = std::mem::zeroed();
+        done(wsp_report_init(&mut report, size_of::<wsp_report>()));
+        let mut options: wsp_refine_options = std::mem::zeroed();
+        done(wsp_refine_options_init(&mut options, size_of::<wsp_refine_options>()));
+        options.max_vertices = 60;
+        assert!(wsp_refine(t.0, &options, null_mut(), &mut report) >= 0);
+        assert_eq!((report.input_vertices, report.vertices), (29, 29 + report.steiner));
+        // An input vertex's id is no Steiner point's.
+        let mut p = [0.0; 3];
+        expect(WSP_ERR_NO_SUCH_VERTEX, wsp_triangulation_point(t.0, 20, p.as_mut_ptr()));
+        done(wsp_triangulation_validate(t.0, WSP_VALIDATE_DELAUNAY, 0.0));
+    }
+}
+
+/// An edge of a triangulation.
+fn edge_of(t: &Owned) -> [u32; 2] {
+    let [a, b, ..] = t.tetrahedra()[0];
+    [a, b]
+}
+
+#[test]
 fn points_ids_and_duplicates() {
     let t = Owned::empty();
     let mut dimension = 9;

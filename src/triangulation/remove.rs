@@ -1,0 +1,613 @@
+//! Removal of vertices, or replacement of some by one new point, as two steps like [insertion](super::cavity): find the *hole* that
+//! opens and what would fill it, then do it. Between the two a caller can look at what would go and what would come, and drop it.
+//!
+//! After O. Devillers and M. Teillaud, "Perturbations and vertex removal in a 3D Delaunay triangulation", SODA 2003: with their
+//! perturbation the Delaunay triangulation of any points is unique, so that what fills the hole is part of the triangulation of the
+//! hole's own vertices. That small one is made, and its tetrahedra inside the hole are found by a flood from the hole's faces. Ghosts are
+//! tetrahedra like all others, so that vertices of the hull need nothing of their own; only where the hole's vertices lie in
+//! one plane (a corner of the hull is cut off, say) one vertex from beyond the hole joins them.
+//!
+//! The hole of a replacement is the union of the stars of the vertices that go and of the new point's
+//! [cavity](super::cavity::Cavity): all other tetrahedra stay Delaunay.
+
+use glam::DVec3;
+
+use super::cavity::Cavity;
+use super::lower::Lower;
+use super::order::spatial_order;
+use super::topology::{slot_of, tet_of, GHOST, MAX_VERTICES, NONE};
+use super::Triangulation;
+use crate::domain::label::OUTSIDE;
+use crate::geometry::predicates::{collinear, orient3d};
+use crate::geometry::{check_range, Filter, Sign};
+use crate::Error;
+
+/// Vertices that go, and a point that comes in their place.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Replacement<'a> {
+    /// The vertices to remove; they need not be neighbours.
+    pub remove: &'a [u32],
+    /// The point to insert. It may lie anywhere but at a vertex that stays.
+    pub add: Option<DVec3>,
+}
+
+/// The new point's vertex in a [`Hole`]: it gets its id when it is inserted.
+pub const ADDED: u32 = u32::MAX - 2;
+
+/// A tetrahedron that a replacement removes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Going {
+    /// Its place.
+    pub t: u32,
+    /// Its vertices, the ghost among them perhaps.
+    pub v: [u32; 4],
+}
+
+/// A tetrahedron that a replacement creates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coming {
+    /// Vertices, positively oriented. [`ADDED`] stands for the new point, [`GHOST`] in the last slot for none.
+    pub v: [u32; 4],
+    /// The label that the tetrahedra it replaces had, where they agree; `None` when there are no labels. May be set before the replacement is
+    /// made; `None` then stands for the label of any of them.
+    pub label: Option<u16>,
+    /// Its place in the small triangulation.
+    small: u32,
+    /// Per slot a face of the hole (its position), or the other side's `4·position + slot` among the coming.
+    n: [u32; 4],
+    /// Bit by slot: whether the face is one of the hole.
+    rim: u8,
+}
+
+/// A face between the hole and the rest.
+#[derive(Clone, Copy, Debug)]
+struct HoleFace {
+    /// Its handle outside the hole.
+    outside: u32,
+    /// The label inside.
+    label: u16,
+}
+
+/// What a replacement would change, and scratch memory to find the next one in.
+#[derive(Clone, Debug, Default)]
+pub struct Hole {
+    /// The tetrahedra that go.
+    pub going: Vec<Going>,
+    /// The tetrahedra that come.
+    pub coming: Vec<Coming>,
+    /// The places of what the last [`Triangulation::replace`] created, in the order of `coming`.
+    pub created: Vec<u32>,
+    remove: Vec<u32>,
+    add: Option<DVec3>,
+    /// Nothing of a volume is left, or there was none.
+    flat: bool,
+    faces: Vec<HoleFace>,
+    by_vertices: FaceTable,
+    /// One byte a tetrahedron: whether it goes.
+    marks: Vec<u8>,
+    /// By vertex id: its number in the small triangulation.
+    local: Vec<u32>,
+    /// By number in the small triangulation: the vertex.
+    vertices: Vec<u32>,
+    small: Triangulation,
+    cavity: Cavity,
+    number: Vec<u32>,
+    part: Vec<u32>,
+}
+
+/// Memory of [`Triangulation::remove`]; a copy starts without.
+#[derive(Debug, Default)]
+pub(super) struct Scratch(Option<Box<Hole>>);
+
+impl Clone for Scratch {
+    fn clone(&self) -> Self {
+        Scratch(None)
+    }
+}
+
+/// A vertex to remove, among the numbers in the small triangulation.
+const REMOVED: u32 = u32::MAX - 1;
+/// From this size on, a hole's vertices are inserted in a spatial order.
+const SORTED: usize = 256;
+
+impl Hole {
+    /// Whether a tetrahedron goes.
+    #[inline]
+    pub fn contains(&self, t: u32) -> bool {
+        self.marks.get(t as usize).is_some_and(|&mark| mark != 0)
+    }
+
+    /// Forgets what was found; its memory stays for the next time.
+    pub fn clear(&mut self) {
+        for going in &self.going {
+            self.marks[going.t as usize] = 0;
+        }
+        self.going.clear();
+        self.coming.clear();
+        self.remove.clear();
+        self.add = None;
+        self.flat = false;
+        self.faces.clear();
+    }
+
+    fn take(&mut self, t: u32, v: [u32; 4]) {
+        self.marks[t as usize] = 1;
+        self.going.push(Going { t, v });
+    }
+}
+
+/// The vertices of the face opposite a slot, counterclockwise seen from outside.
+#[inline]
+fn oriented_face(v: &[u32; 4], slot: usize) -> [u32; 3] {
+    const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+    FACE[slot].map(|i| v[i])
+}
+
+impl Triangulation {
+    /// Removes a vertex; the others keep their ids. The id is free then for an [`insert`](Self::insert), and its point is NaN.
+    ///
+    /// Cost: that of a triangulation of the neighbours by themselves; linear in all vertices when the rest lies in a plane, or did before.
+    pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
+        let mut hole = self.hole.0.take().unwrap_or_default();
+        let result = self
+            .preview(&Replacement { remove: &[vertex], add: None }, &|_| false, &mut hole)
+            .and_then(|()| self.replace(&mut hole).map(|_| ()));
+        self.hole.0 = Some(hole);
+        result
+    }
+
+    /// Finds what a replacement would remove and create, without doing it: [`replace`](Self::replace) does it, dropping the hole, or
+    /// using it for another preview, does not. Nothing comes and nothing goes below dimension 3; when a replacement falls down to it,
+    /// everything goes.
+    ///
+    /// `is_wall` tells of faces between two of the coming tetrahedra whether they separate regions, as the subfacets of a domain do. Labels
+    /// don't spread across walls. The faces' vertices come in any order, [`ADDED`] among them perhaps.
+    ///
+    /// [`Error::NoSuchVertex`] for one to remove, [`Error::Occupied`] when a vertex that stays is at the new point.
+    pub fn preview(
+        &self,
+        replacement: &Replacement,
+        is_wall: &dyn Fn([u32; 3]) -> bool,
+        hole: &mut Hole,
+    ) -> Result<(), Error> {
+        hole.clear();
+        for &v in replacement.remove {
+            if !self.is_vertex(v) {
+                return Err(Error::NoSuchVertex { vertex: v });
+            }
+        }
+        if let Some(p) = replacement.add {
+            check_range(0, p)?;
+        }
+        hole.remove.extend_from_slice(replacement.remove);
+        hole.add = replacement.add.map(|p| p + DVec3::ZERO);
+        if hole.local.len() < self.points.len() {
+            hole.local.resize(self.points.capacity(), NONE);
+        }
+        // A vertex that is named twice is removed once.
+        let local = &mut hole.local;
+        hole.remove.retain(|&v| std::mem::replace(&mut local[v as usize], REMOVED) != REMOVED);
+        let result = self.fill(is_wall, hole);
+        for &v in hole.remove.iter().chain(&hole.vertices) {
+            if let Some(local) = hole.local.get_mut(v as usize) {
+                *local = NONE;
+            }
+        }
+        hole.vertices.clear();
+        if result.is_err() {
+            hole.clear();
+        }
+        result
+    }
+
+    fn fill(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
+        if self.dimension() < 3 {
+            hole.flat = true;
+            return match hole.add.and_then(|p| self.lower.find(p)) {
+                Some(vertex) if !hole.remove.contains(&vertex) => Err(Error::Occupied { vertex }),
+                _ => Ok(()),
+            };
+        }
+        if hole.marks.len() < self.topology.tets.len() {
+            hole.marks.resize(self.topology.tets.capacity(), 0);
+        }
+        self.find_stars(hole);
+        if let Some(p) = hole.add {
+            self.find_new_cavity(p, hole)?;
+        }
+        if hole.going.is_empty() {
+            return Ok(());
+        }
+        self.find_faces(hole);
+        if self.triangulate_vertices(hole)? {
+            self.flood(hole);
+            self.label_coming(is_wall, hole);
+        } else {
+            hole.flat = true;
+            for t in self.topology.live() {
+                if !hole.contains(t) {
+                    hole.take(t, self.topology.tet(t).v);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The stars of the vertices that go.
+    fn find_stars(&self, hole: &mut Hole) {
+        for i in 0..hole.remove.len() {
+            let t = self.topology.vertex_tet[hole.remove[i] as usize];
+            if hole.contains(t) {
+                continue;
+            }
+            let mut next = hole.going.len();
+            hole.take(t, self.topology.tet(t).v);
+            while next < hole.going.len() {
+                let tet = self.topology.tet(hole.going[next].t);
+                next += 1;
+                for face in tet.n {
+                    let t = tet_of(face);
+                    let v = self.topology.tet(t).v;
+                    let goes = |&v: &u32| v != GHOST && hole.local[v as usize] == REMOVED;
+                    if !hole.contains(t) && v.iter().any(goes) {
+                        hole.take(t, v);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The tetrahedra in conflict with the new point, to those that go already.
+    fn find_new_cavity(&self, p: DVec3, hole: &mut Hole) -> Result<(), Error> {
+        let mut filter = self.filter.clone();
+        filter.extend(p);
+        let start = hole.going.first().map_or(self.last, |going| going.t);
+        let t = self.walk_with(&filter, p, start);
+        match self.vertex_at(t, p) {
+            // Then no tetrahedron but its own is in conflict.
+            Some(vertex) if hole.local[vertex as usize] == REMOVED => return Ok(()),
+            Some(vertex) => return Err(Error::Occupied { vertex }),
+            None => {}
+        }
+        let mut cavity = std::mem::take(&mut hole.cavity);
+        self.find_cavity(&filter, p, t, &mut cavity);
+        for &t in &cavity.tets {
+            if !hole.contains(t) {
+                hole.take(t, self.topology.tet(t).v);
+            }
+        }
+        cavity.clear();
+        hole.cavity = cavity;
+        Ok(())
+    }
+
+    /// Numbers the hole's vertices, and finds its faces.
+    fn find_faces(&self, hole: &mut Hole) {
+        if hole.add.is_some() {
+            hole.vertices.push(ADDED);
+        }
+        hole.by_vertices.clear();
+        for i in 0..hole.going.len() {
+            let Going { t, v } = hole.going[i];
+            for v in v {
+                if v != GHOST && hole.local[v as usize] == NONE {
+                    hole.local[v as usize] = hole.vertices.len() as u32;
+                    hole.vertices.push(v);
+                }
+            }
+            for (slot, &outside) in self.topology.tet(t).n.iter().enumerate() {
+                if hole.contains(tet_of(outside)) {
+                    continue;
+                }
+                // Vertices to remove have no number, but all tetrahedra at them go.
+                let number = |v: u32| if v == GHOST { GHOST } else { hole.local[v as usize] };
+                hole.by_vertices.keys.push(rotated(oriented_face(&v, slot).map(number)));
+                let label = self.topology.region.get(t as usize).copied().unwrap_or(OUTSIDE);
+                hole.faces.push(HoleFace { outside, label });
+            }
+        }
+        hole.by_vertices.index();
+    }
+
+    /// Makes the triangulation of the hole's vertices. False when all that is left lies in one plane.
+    fn triangulate_vertices(&self, hole: &mut Hole) -> Result<bool, Error> {
+        let small = &mut hole.small;
+        small.topology.clear_tetrahedra();
+        small.topology.vertex_tet.clear();
+        small.points.clear();
+        small.points.extend(hole.vertices.iter().map(|&v| match hole.add {
+            Some(p) if v == ADDED => p,
+            _ => self.at(v),
+        }));
+        let basis = independent(&small.points).or_else(|| {
+            // In one plane. If all the rest lies in it too, no finite tetrahedron is left, so none is beside the hole.
+            let beyond = |face: &HoleFace| {
+                let tet = self.topology.tet(tet_of(face.outside));
+                (!tet.is_ghost()).then(|| tet.v[slot_of(face.outside)])
+            };
+            let v = hole.faces.iter().find_map(beyond)?;
+            hole.vertices.push(v);
+            small.points.push(self.at(v));
+            independent(&small.points)
+        });
+        let Some(basis) = basis else { return Ok(false) };
+        small.topology.vertex_tet.resize(small.points.len(), NONE);
+        small.filter = Filter::for_points(&small.points);
+        small.start_from(basis);
+        let order = if small.points.len() < SORTED { Vec::new() } else { spatial_order(&small.points) };
+        for i in 0..small.points.len() {
+            let v = order.get(i).copied().unwrap_or(i as u32);
+            if !basis.contains(&v) {
+                small.insert_stored(v, small.last)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Finds the small triangulation's tetrahedra inside the hole.
+    fn flood(&self, hole: &mut Hole) {
+        let Hole { small, faces, by_vertices, coming, vertices, number, .. } = hole;
+        let small = &small.topology;
+        let global = |v: u32| if v == GHOST { GHOST } else { vertices[v as usize] };
+        let bare = |t: u32| Coming { v: small.tet(t).v.map(global), label: None, small: t, n: [NONE; 4], rim: 0 };
+        let face_at = |t: u32, slot: usize| by_vertices.find(rotated(oriented_face(&small.tet(t).v, slot)));
+        // By small tetrahedron: its position among the coming.
+        number.clear();
+        number.resize(small.tets.len(), NONE);
+        // Without faces the hole is everything.
+        let everything = faces.is_empty();
+        let (mut found, mut next) = (0, 0);
+        for seed in small.live() {
+            if found == faces.len() && !everything {
+                break;
+            }
+            if number[seed as usize] != NONE || !(everything || (0..4).any(|slot| face_at(seed, slot).is_some())) {
+                continue;
+            }
+            number[seed as usize] = coming.len() as u32;
+            coming.push(bare(seed));
+            while next < coming.len() {
+                let t = coming[next].small;
+                for slot in 0..4 {
+                    if let Some(face) = face_at(t, slot) {
+                        coming[next].n[slot] = face;
+                        coming[next].rim |= 1 << slot;
+                        found += 1;
+                        continue;
+                    }
+                    let across = small.tet(t).n[slot];
+                    let position = &mut number[tet_of(across) as usize];
+                    if *position == NONE {
+                        *position = coming.len() as u32;
+                        coming.push(bare(tet_of(across)));
+                    }
+                    coming[next].n[slot] = 4 * *position + slot_of(across) as u32;
+                }
+                next += 1;
+            }
+        }
+        assert_eq!(found, faces.len(), "a face of the hole is missing from the triangulation of its vertices");
+    }
+
+    /// Spreads the labels from the hole's faces among what comes.
+    fn label_coming(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) {
+        if self.topology.region.is_empty() {
+            return;
+        }
+        let Hole { faces, coming, number, part, .. } = hole;
+        number.clear();
+        number.resize(coming.len(), 0);
+        for seed in 0..coming.len() {
+            if number[seed] != 0 {
+                continue;
+            }
+            number[seed] = 1;
+            if coming[seed].v[3] == GHOST {
+                coming[seed].label = Some(OUTSIDE);
+                continue;
+            }
+            part.clear();
+            part.push(seed as u32);
+            let (mut label, mut agree) = (None, true);
+            let mut next = 0;
+            while next < part.len() {
+                let tet = coming[part[next] as usize];
+                next += 1;
+                for slot in 0..4 {
+                    let n = tet.n[slot];
+                    if tet.rim >> slot & 1 != 0 {
+                        let inside = faces[n as usize].label;
+                        agree &= *label.get_or_insert(inside) == inside;
+                    } else if coming[tet_of(n) as usize].v[3] != GHOST
+                        && number[tet_of(n) as usize] == 0
+                        && !is_wall(oriented_face(&tet.v, slot))
+                    {
+                        number[tet_of(n) as usize] = 1;
+                        part.push(tet_of(n));
+                    }
+                }
+            }
+            for &i in part.iter() {
+                coming[i as usize].label = label.filter(|_| agree);
+            }
+        }
+    }
+
+    /// The corners of a tetrahedron that would come; none of a ghost.
+    pub fn coming_corners(&self, hole: &Hole, coming: &Coming) -> Option<[DVec3; 4]> {
+        let at = |v: u32| match hole.add {
+            Some(p) if v == ADDED => p,
+            _ => self.at(v),
+        };
+        (coming.v[3] != GHOST).then(|| coming.v.map(at))
+    }
+
+    /// Does what the last [`preview`](Self::preview) in `hole` found. Returns the new point's vertex. After an error nothing has changed;
+    /// the hole is empty in any case.
+    ///
+    /// # Panics
+    /// When the triangulation has changed since the preview, before anything else is changed.
+    pub fn replace(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
+        let is_there = |going: &Going| self.topology.tets.get(going.t as usize).is_some_and(|tet| tet.v == going.v);
+        assert!(
+            hole.remove.iter().all(|&v| self.is_vertex(v)) && hole.going.iter().all(is_there),
+            "the triangulation has changed since the preview"
+        );
+        let requested = self.points.len() + usize::from(hole.add.is_some());
+        if requested > MAX_VERTICES || !self.topology.has_room(hole.coming.len()) {
+            hole.clear();
+            return Err(Error::TooManyVertices { requested, limit: MAX_VERTICES });
+        }
+        hole.created.clear();
+        if hole.flat {
+            return self.replace_flat(hole);
+        }
+        let new = hole.add.map(|p| {
+            let new = self.next_vertex();
+            self.filter.extend(p);
+            self.store(new, p);
+            new
+        });
+        self.fill_hole(new.unwrap_or(NONE), hole);
+        for &v in &hole.remove {
+            self.free_vertex(v);
+        }
+        if let Some(&t) = hole.created.last() {
+            self.last = t;
+        }
+        hole.clear();
+        Ok(new)
+    }
+
+    fn fill_hole(&mut self, new: u32, hole: &mut Hole) {
+        let topology = &mut self.topology;
+        let labelled = !topology.region.is_empty();
+        let first = hole.going.iter().find(|going| going.v[3] != GHOST);
+        let any_label = first.filter(|_| labelled).map_or(OUTSIDE, |going| topology.region[going.t as usize]);
+        // Last destroyed is first reused.
+        for going in hole.going.iter().rev() {
+            topology.destroy(going.t);
+        }
+        for coming in &hole.coming {
+            hole.created.push(topology.create(coming.v.map(|v| if v == ADDED { new } else { v })));
+        }
+        for (coming, &t) in hole.coming.iter().zip(&hole.created) {
+            for (slot, n) in coming.n.into_iter().enumerate() {
+                if coming.rim >> slot & 1 != 0 {
+                    topology.join(4 * t + slot as u32, hole.faces[n as usize].outside);
+                } else {
+                    topology.tets[t as usize].n[slot] = 4 * hole.created[tet_of(n) as usize] + slot_of(n) as u32;
+                }
+            }
+            for v in topology.tet(t).v {
+                if v != GHOST {
+                    topology.vertex_tet[v as usize] = t;
+                }
+            }
+            if labelled {
+                topology.region[t as usize] = coming.label.unwrap_or(any_label);
+            }
+        }
+    }
+
+    /// [`replace`](Self::replace) where no tetrahedron is left, or was any.
+    fn replace_flat(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
+        let mut anew = self.dimension() == 3;
+        for &v in &hole.remove {
+            anew |= !(anew || self.lower.remove(v, self.at(v)));
+            self.free_vertex(v);
+        }
+        if anew {
+            self.rebuild_lower();
+        }
+        let add = hole.add;
+        hole.clear();
+        add.map(|p| Ok(self.insert(p, None)?.vertex)).transpose()
+    }
+
+    /// Starts anew with vertices that span no volume.
+    pub(super) fn rebuild_lower(&mut self) {
+        self.topology.clear_tetrahedra();
+        self.filter = Filter::default();
+        self.lower = Lower::default();
+        for v in 0..self.points.len() as u32 {
+            if self.is_vertex(v) {
+                let p = self.at(v);
+                self.filter.extend(p);
+                let basis = self.lower.add(v, p, &self.points);
+                debug_assert!(basis.is_none());
+            }
+        }
+    }
+}
+
+/// Four points that span a volume.
+fn independent(points: &[DVec3]) -> Option<[u32; 4]> {
+    let (&a, &b) = (points.first()?, points.get(1)?);
+    let c = (2..points.len()).find(|&c| !collinear(a, b, points[c]))?;
+    let d = (c + 1..points.len()).find(|&d| orient3d(a, b, points[c], points[d]) != Sign::Zero)?;
+    Some([0, 1, c as u32, d as u32])
+}
+
+/// The face turned so that its lowest vertex stands first.
+#[inline]
+fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Faces by their [rotated] vertices: a hash table with open addressing that keeps its memory.
+#[derive(Clone, Debug, Default)]
+struct FaceTable {
+    keys: Vec<[u32; 3]>,
+    slots: Vec<u32>,
+}
+
+impl FaceTable {
+    fn clear(&mut self) {
+        self.keys.clear();
+    }
+
+    /// Makes the table of `keys`.
+    fn index(&mut self) {
+        self.slots.clear();
+        self.slots.resize((2 * self.keys.len()).next_power_of_two().max(2), NONE);
+        for (i, &key) in self.keys.iter().enumerate() {
+            let mut slot = self.first_slot(key);
+            while self.slots[slot] != NONE {
+                slot = (slot + 1) & (self.slots.len() - 1);
+            }
+            self.slots[slot] = i as u32;
+        }
+    }
+
+    #[inline]
+    fn first_slot(&self, [a, b, c]: [u32; 3]) -> usize {
+        let mixed = (u64::from(a) ^ u64::from(b) << 20 ^ u64::from(c) << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> (64 - self.slots.len().trailing_zeros())) as usize
+    }
+
+    /// The position of a key.
+    #[inline]
+    fn find(&self, key: [u32; 3]) -> Option<u32> {
+        let mut slot = self.first_slot(key);
+        loop {
+            let i = self.slots[slot];
+            if i == NONE {
+                return None;
+            }
+            if self.keys[i as usize] == key {
+                return Some(i);
+            }
+            slot = (slot + 1) & (self.slots.len() - 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
