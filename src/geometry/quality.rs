@@ -1,7 +1,7 @@
 //! The quality of a tetrahedron: radius-edge ratio and dihedral angles.
 //!
 //! Whether a tetrahedron keeps the bound is decided exactly: a floating-point answer with a safe margin first, then
-//! the generic formula of [`exact`](super::exact). With `D = det[u, v, w]` and
+//! the generic formula of `exact`. With `D = det[u, v, w]` and
 //! `N = |u|²(v×w) + |v|²(w×u) + |w|²(u×v)` the circumradius is `|N| / 2|D|`, so that `R > β·l` exactly when
 //! `|N|² > 4β²l²D²`: a flat tetrahedron with `N ≠ 0` is bad for every β.
 

@@ -222,7 +222,7 @@ fn domains_without_volume_are_refused() {
     whole(&flat);
     let mut bare = random_box(5, 1);
     bare.facets.clear();
-    assert_eq!(Mesh::from_plc(&bare, &Control::new()).unwrap().view().tetrahedra.is_empty(), false);
+    assert!(!Mesh::from_plc(&bare, &Control::new()).unwrap().view().tetrahedra.is_empty());
     bare.segments.push(PlcSegment { ends: [0, 1], marker: 0 });
     whole(&bare);
     // Elements that name what isn't there, or have no extent.

@@ -61,7 +61,7 @@ pub fn is_bad_edge(p: DVec3, q: DVec3, link: &[DVec3], closed: bool, radius_edge
 
 /// Whether edge `pq` is short (Definition 2): the shortest edge of a tetrahedron around it.
 pub fn is_short_edge(p: DVec3, q: DVec3, link: &[DVec3], closed: bool) -> bool {
-    around(p, q, link, closed).any(|tet| is_shortest(tet))
+    around(p, q, link, closed).any(is_shortest)
 }
 
 /// Whether the first two corners span a shortest edge of the tetrahedron.

@@ -20,7 +20,7 @@ pub struct Cavity {
     pub tets: Vec<u32>,
     /// The faces between the cavity and the rest: each becomes a tetrahedron with the new point.
     pub faces: Vec<CavityFace>,
-    /// What the last [`Triangulation::fill_cavity`] created, in the order of `faces`.
+    /// What the last insertion created, in the order of `faces`.
     pub created: Vec<u32>,
     edges: EdgeTable,
 }
@@ -211,8 +211,7 @@ impl EdgeTable {
         self.local.clear();
         for face in faces {
             let mut local = [0; 4];
-            for slot in 0..4 {
-                let v = face.v[slot];
+            for (slot, &v) in face.v.iter().enumerate() {
                 if slot == face.slot as usize || v == GHOST {
                     continue;
                 }

@@ -288,9 +288,9 @@ mod tests {
 
     #[test]
     fn even_rest_is_even() {
-        for i in 0..4 {
+        for (i, row) in EVEN_REST.iter().enumerate() {
             for j in (0..4).filter(|&j| j != i) {
-                let [k, l] = EVEN_REST[i][j];
+                let [k, l] = row[j];
                 let p = [i, j, k, l];
                 let inversions =
                     (0..4).flat_map(|a| (a + 1..4).map(move |b| (a, b))).filter(|&(a, b)| p[a] > p[b]).count();

@@ -215,8 +215,10 @@ mod tests {
         vec![
             row(Dataset::Helix, 8.0, RuleName::Circumcenter, 1_234_567),
             row(Dataset::Helix, 8.0, RuleName::Paper, 500),
+            row(Dataset::Helix, 8.0, RuleName::Sparse, 400),
             row(Dataset::Random, 1.5, RuleName::Circumcenter, 20),
             row(Dataset::Random, 1.5, RuleName::Paper, 10),
+            row(Dataset::Random, 1.5, RuleName::Sparse, 5),
         ]
     }
 
@@ -246,7 +248,7 @@ mod tests {
         let text = markdown(&rows());
         assert!(
             text.contains(
-                "| Helix (10) | 8 | 1,234,577 | 8,727 | 6,172,835 | 49,998 | 510 | 3,923 | 2,500 | 37,738 (sic) | 0 |"
+                "| Helix (10) | 8 | 1,234,577 | 8,727 | 6,172,835 | 49,998 | 510 | 3,923 | 2,500 | 37,738 (sic) | 410 | 2,000 | 0 |"
             ),
             "{text}"
         );
@@ -261,8 +263,8 @@ mod tests {
     fn json_has_rows_and_means() {
         let value = json(&rows());
         assert_eq!(value["rows"][1]["paper"]["misprint"], true);
-        assert_eq!(value["rows"][3]["steiner_ratio"]["ours"], 0.5);
-        assert_eq!(value["rows"][2]["steiner_ratio"], Value::Null);
+        assert_eq!(value["rows"][4]["steiner_ratio"]["ours"], 0.5);
+        assert_eq!(value["rows"][3]["steiner_ratio"], Value::Null);
         assert_eq!(value["mean_steiner_ratio"]["paper"]["1.5"]["ours"], 0.5);
     }
 }

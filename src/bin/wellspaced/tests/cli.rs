@@ -255,7 +255,7 @@ fn the_table_has_all_rows_of_a_data_set() {
     write_dataset(&folder, "cube8");
     let result: Value = serde_json::from_str(&stdout(&folder, &["table1", "--only", "cube8", "--json"])).unwrap();
     let rows = result["rows"].as_array().unwrap();
-    let expected = [1.5, 2.0, 4.0, 8.0].map(|bound| ["circumcenter", "paper"].map(|rule| (bound, rule)));
+    let expected = [1.5, 2.0, 4.0, 8.0].map(|bound| ["circumcenter", "paper", "sparse"].map(|rule| (bound, rule)));
     let found: Vec<_> =
         rows.iter().map(|row| (row["radius_edge"].as_f64().unwrap(), row["rule"].as_str().unwrap())).collect();
     assert_eq!(found, expected.concat());
@@ -263,16 +263,21 @@ fn the_table_has_all_rows_of_a_data_set() {
         let count = |value: &Value| value.as_u64().unwrap();
         assert_eq!((&row["data_set"], &row["bad"], &row["status"]), (&"cube8".into(), &0.into(), &"done".into()));
         assert_eq!(count(&row["vertices"]), 32 + count(&row["steiner"]));
-        assert_eq!(count(&row["paper"]["vertices"]), 32 + count(&row["paper"]["steiner"]));
+        match row["rule"].as_str() {
+            Some("sparse") => assert_eq!(row["paper"], Value::Null),
+            _ => assert_eq!(count(&row["paper"]["vertices"]), 32 + count(&row["paper"]["steiner"])),
+        }
     }
     let mean = result["mean_steiner_ratio"]["paper"]["all"]["ours"].as_f64().unwrap();
-    assert!(mean < 1.0, "the paper's rule is the sparser one: {mean}");
+    assert!(mean < 1.0, "the paper's rule is sparser than circumcentres: {mean}");
+    let sparse = result["mean_steiner_ratio"]["sparse"]["all"]["ours"].as_f64().unwrap();
+    assert!(sparse < mean, "and our own is sparser still: {sparse}");
 
     // The same from a folder of files, as text.
     let text = stdout(&folder, &["table1", "--only", "cube8", "--data", "."]);
     let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("Cube8")).collect();
-    assert_eq!(lines.len(), 8, "{text}");
-    assert!(lines[0].contains("(2,164)") && lines[7].contains("(233)"), "{text}");
+    assert_eq!(lines.len(), 12, "{text}");
+    assert!(lines[0].contains("(2,164)") && lines[10].contains("(233)"), "{text}");
     assert!(text.contains(&format!("paper        {mean:.3} (")), "{text}");
     let (status, message) = failure_after_header(&folder, &["table1", "--only", "helix", "--data", "."]);
     assert_eq!(status, 1);
