@@ -11,11 +11,11 @@ use glam::DVec3;
 
 use super::predicates::{Filter, Sign};
 
-/// Lexicographic order of points, x first.
+/// Whether `a` comes after `b` in the lexicographic order of points, x first. Without branches: on grids any comparison
+/// may settle it.
 #[inline]
-pub fn lexicographic(a: DVec3, b: DVec3) -> std::cmp::Ordering {
-    let key = |p: DVec3| (p.x, p.y, p.z);
-    key(a).partial_cmp(&key(b)).expect("coordinates are never NaN")
+fn after(a: DVec3, b: DVec3) -> bool {
+    (a.x > b.x) | (a.x == b.x) & ((a.y > b.y) | (a.y == b.y) & (a.z > b.z))
 }
 
 /// Where `p` lies to the circumsphere of the positive tetrahedron `tet`: whether inside, after perturbation.
@@ -29,19 +29,18 @@ pub fn in_conflict(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
     }
 }
 
-/// The decision for five cospherical points.
+/// The decision for five cospherical points, `tet` a positive tetrahedron.
 #[cold]
 #[inline(never)]
-fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
-    // Slot 4 stands for p.
-    let at = |i: usize| if i == 4 { p } else { tet[i] };
-    let mut order = [0, 1, 2, 3, 4];
-    order.sort_unstable_by(|&i, &j| lexicographic(at(j), at(i)));
-    for slot in order {
-        if slot == 4 {
-            // Raising p lifts it out of the sphere: the coefficient is the tetrahedron's orientation.
-            return false;
-        }
+pub fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
+    // The corners, the last one in lexicographic order first.
+    let mut order = [0; 4];
+    for (i, &corner) in tet.iter().enumerate() {
+        let rank: usize = tet.iter().map(|&other| usize::from(after(other, corner))).sum();
+        order[rank] = i;
+    }
+    let above: usize = tet.iter().map(|&corner| usize::from(after(corner, p))).sum();
+    for &slot in &order[..above] {
         // Raising corner `slot` moves p inside where p can replace the corner in a positive tetrahedron.
         let mut corners = tet;
         corners[slot] = p;
@@ -51,7 +50,8 @@ fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
             Sign::Zero => {}
         }
     }
-    unreachable!("a positive tetrahedron has a coefficient that doesn't vanish")
+    // Raising p lifts it out of the sphere: the coefficient is the tetrahedron's orientation.
+    false
 }
 
 #[cfg(test)]
