@@ -12,14 +12,19 @@ pub trait Lanes: Copy {
     fn splat(x: f64) -> Self;
     /// The coordinates of four points, x, y, z.
     fn load(points: [&DVec3; 4]) -> [Self; 3];
+    /// The sum.
     fn add(self, other: Self) -> Self;
+    /// The difference.
     fn sub(self, other: Self) -> Self;
+    /// The product.
     fn mul(self, other: Self) -> Self;
     /// `self · a + b`, rounded once or twice.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// `self · a − b`, rounded once or twice.
     fn mul_sub(self, a: Self, b: Self) -> Self;
+    /// The magnitude.
     fn abs(self) -> Self;
+    /// The greater of two numbers, neither of them NaN.
     fn max(self, other: Self) -> Self;
     /// Lane `LANE` from `other`, the rest from `self`.
     fn with_lane<const LANE: usize>(self, other: Self) -> Self;
@@ -133,6 +138,7 @@ mod x86 {
     pub struct Avx2(__m256d);
 
     impl Avx2 {
+        /// Whether this processor has what it takes. The answer is remembered.
         #[inline]
         pub fn available() -> bool {
             is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")

@@ -30,21 +30,28 @@ pub fn in_conflict(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
 }
 
 /// The decision for five cospherical points, `tet` a positive tetrahedron.
-#[cold]
 #[inline(never)]
 pub fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
-    // The corners, the last one in lexicographic order first.
-    let mut order = [0; 4];
-    for (i, &corner) in tet.iter().enumerate() {
-        let rank: usize = tet.iter().map(|&other| usize::from(after(other, corner))).sum();
-        order[rank] = i;
-    }
+    // How many corners come after p, and after each corner: the order of raising, the last one in lexicographic order first.
     let above: usize = tet.iter().map(|&corner| usize::from(after(corner, p))).sum();
+    let mut rank = [0usize; 4];
+    for j in 1..4 {
+        for i in 0..j {
+            let first = usize::from(after(tet[i], tet[j]));
+            rank[j] += first;
+            rank[i] += 1 - first;
+        }
+    }
+    let mut order = [0; 4];
+    for (corner, rank) in rank.into_iter().enumerate() {
+        order[rank & 3] = corner;
+    }
+    // `[i, j, k, l]` is an even permutation for each i.
+    const EVEN: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
     for &slot in &order[..above] {
         // Raising corner `slot` moves p inside where p can replace the corner in a positive tetrahedron.
-        let mut corners = tet;
-        corners[slot] = p;
-        match filter.orient3d(corners[0], corners[1], corners[2], corners[3]) {
+        let [j, k, l] = EVEN[slot];
+        match filter.orient3d(p, tet[j], tet[k], tet[l]) {
             Sign::Positive => return true,
             Sign::Negative => return false,
             Sign::Zero => {}

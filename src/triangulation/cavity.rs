@@ -73,19 +73,16 @@ impl Triangulation {
     #[inline]
     pub(crate) fn conflicts(&self, filter: &Filter, t: u32, p: DVec3) -> bool {
         let tet = self.topology.tet(t);
-        let [a, b, c] = [tet.v[0], tet.v[1], tet.v[2]].map(|v| self.points[v as usize]);
+        let [a, b, c] = [self.at(tet.v[0]), self.at(tet.v[1]), self.at(tet.v[2])];
         if tet.is_ghost() {
             return match filter.orient3d(a, b, c, p) {
                 Sign::Positive => true,
                 Sign::Negative => false,
                 // On the facet's plane the circle decides, and every sphere through it has the same answer there, perturbed or not:
                 // the coefficient of a fourth corner is the orientation of the facet and p, which is 0.
-                Sign::Zero => {
-                    let inner = self.topology.tet(tet_of(tet.n[3]));
-                    in_conflict(filter, inner.v.map(|v| self.points[v as usize]), p)
-                }
+                Sign::Zero => in_conflict(filter, self.corners(tet_of(tet.n[3])), p),
             };
         }
-        in_conflict(filter, [a, b, c, self.points[tet.v[3] as usize]], p)
+        in_conflict(filter, [a, b, c, self.at(tet.v[3])], p)
     }
 }

@@ -83,7 +83,8 @@ impl Triangulation {
     /// The corners of a tetrahedron without the ghost.
     #[inline]
     pub(crate) fn corners(&self, t: u32) -> [DVec3; 4] {
-        self.topology.tet(t).v.map(|v| self.points[v as usize])
+        let [a, b, c, d] = self.topology.tet(t).v;
+        [self.at(a), self.at(b), self.at(c), self.at(d)]
     }
 
     /// The tetrahedra's vertices, positively oriented, in storage order.

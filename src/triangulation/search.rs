@@ -329,3 +329,44 @@ fn exact_conflicts(this: &Triangulation, filter: &Filter, tet: &Tetrahedron, p: 
     };
     (0..4).filter(|&slot| slots >> slot & 1 == 1 && conflicts(slot)).map(|slot| 1 << slot).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Control;
+
+    /// Points at random in a cube, then a grid in it: general position, and every kind of degeneracy.
+    fn points() -> Vec<DVec3> {
+        let mut state = 11u64;
+        let mut next = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / (1 << 22) as f64
+        };
+        let mut points: Vec<DVec3> = (0..1500).map(|_| DVec3::new(next(), next(), next())).collect();
+        points.extend((0..512).map(|i| DVec3::new((i & 7) as f64, (i >> 3 & 7) as f64, (i >> 6) as f64) * 0.5));
+        points
+    }
+
+    #[test]
+    fn every_kind_of_lanes_finds_the_same_cavity() {
+        let points = points();
+        let mut t = Triangulation::new();
+        t.insert_many(&points[..1900], &Control::new()).unwrap().unwrap();
+        let mut filter = t.filter.clone();
+        points[1900..].iter().for_each(|&p| filter.extend(p));
+        let (mut fast, mut portable) = (Cavity::default(), Cavity::default());
+        for &p in &points[1900..] {
+            let start = t.walk_with(&filter, p, t.recent());
+            // SAFETY: live tetrahedra.
+            assert_eq!(unsafe { walk::<Portable>(&t, &filter, p, t.recent()) }, start);
+            t.find_cavity(&filter, p, start, &mut fast);
+            unsafe { search::<Portable>(&t, &filter, p, start, &mut portable) };
+            assert_eq!((&fast.tets, &fast.faces), (&portable.tets, &portable.faces));
+            // And what one predicate after the other says.
+            let all: Vec<u32> = t.topology.live().filter(|&t_| t.conflicts(&filter, t_, p)).collect();
+            let mut found = fast.tets.clone();
+            found.sort_unstable();
+            assert_eq!(found, all);
+        }
+    }
+}
