@@ -112,7 +112,7 @@ impl Triangulation {
     /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
     /// renumbered in the end.
     fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let base = self.points.len();
+        let (base, present) = (self.points.len(), self.vertex_count());
         let order = spatial_order(points);
         let reserve = |what| Error::OutOfMemory { what };
         self.points.try_reserve(points.len()).map_err(|_| reserve("points"))?;
@@ -122,9 +122,11 @@ impl Triangulation {
         let mut cavity = std::mem::take(&mut self.scratch);
         let mut duplicates = Vec::new();
         for done in 0..points.len() {
-            if done % POLL_INTERVAL == 0 && !control.report("delaunay", done as f64 / points.len() as f64, base + done)
-            {
-                return Ok(None);
+            if done % POLL_INTERVAL == 0 {
+                let vertices = present + done - duplicates.len();
+                if !control.report("delaunay", done as f64 / points.len() as f64, vertices) {
+                    return Ok(None);
+                }
             }
             let vertex = (base + done) as u32;
             let point = self.at(vertex);
@@ -139,7 +141,7 @@ impl Triangulation {
         }
         self.scratch = cavity;
         let ids = self.number_in_input_order(base, points, &order, &duplicates);
-        control.report("delaunay", 1.0, self.points.len());
+        control.report("delaunay", 1.0, self.vertex_count());
         Ok(Some(ids))
     }
 
