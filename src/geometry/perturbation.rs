@@ -11,11 +11,11 @@ use glam::DVec3;
 
 use super::predicates::{Filter, Sign};
 
-/// Lexicographic order of points, x first.
+/// Whether `a` comes after `b` in the lexicographic order of points, x first. Without branches: on grids any comparison
+/// may settle it.
 #[inline]
-pub fn lexicographic(a: DVec3, b: DVec3) -> std::cmp::Ordering {
-    let key = |p: DVec3| (p.x, p.y, p.z);
-    key(a).partial_cmp(&key(b)).expect("coordinates are never NaN")
+fn after(a: DVec3, b: DVec3) -> bool {
+    (a.x > b.x) | (a.x == b.x) & ((a.y > b.y) | (a.y == b.y) & (a.z > b.z))
 }
 
 /// Where `p` lies to the circumsphere of the positive tetrahedron `tet`: whether inside, after perturbation.
@@ -29,29 +29,36 @@ pub fn in_conflict(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
     }
 }
 
-/// The decision for five cospherical points.
-#[cold]
+/// The decision for five cospherical points, `tet` a positive tetrahedron.
 #[inline(never)]
-fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
-    // Slot 4 stands for p.
-    let at = |i: usize| if i == 4 { p } else { tet[i] };
-    let mut order = [0, 1, 2, 3, 4];
-    order.sort_unstable_by(|&i, &j| lexicographic(at(j), at(i)));
-    for slot in order {
-        if slot == 4 {
-            // Raising p lifts it out of the sphere: the coefficient is the tetrahedron's orientation.
-            return false;
+pub fn perturbed(filter: &Filter, tet: [DVec3; 4], p: DVec3) -> bool {
+    // How many corners come after p, and after each corner: the order of raising, the last one in lexicographic order first.
+    let above: usize = tet.iter().map(|&corner| usize::from(after(corner, p))).sum();
+    let mut rank = [0usize; 4];
+    for j in 1..4 {
+        for i in 0..j {
+            let first = usize::from(after(tet[i], tet[j]));
+            rank[j] += first;
+            rank[i] += 1 - first;
         }
+    }
+    let mut order = [0; 4];
+    for (corner, rank) in rank.into_iter().enumerate() {
+        order[rank & 3] = corner;
+    }
+    // `[i, j, k, l]` is an even permutation for each i.
+    const EVEN: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+    for &slot in &order[..above] {
         // Raising corner `slot` moves p inside where p can replace the corner in a positive tetrahedron.
-        let mut corners = tet;
-        corners[slot] = p;
-        match filter.orient3d(corners[0], corners[1], corners[2], corners[3]) {
+        let [j, k, l] = EVEN[slot];
+        match filter.orient3d(p, tet[j], tet[k], tet[l]) {
             Sign::Positive => return true,
             Sign::Negative => return false,
             Sign::Zero => {}
         }
     }
-    unreachable!("a positive tetrahedron has a coefficient that doesn't vanish")
+    // Raising p lifts it out of the sphere: the coefficient is the tetrahedron's orientation.
+    false
 }
 
 #[cfg(test)]

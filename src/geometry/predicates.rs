@@ -12,6 +12,8 @@
 use glam::DVec3;
 use robust::Coord3D;
 
+use super::lanes::Lanes;
+
 /// The sign of an exactly evaluated determinant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i8)]
@@ -104,21 +106,26 @@ impl Filter {
     /// The filter for these points.
     pub fn for_points(points: &[DVec3]) -> Filter {
         let mut filter = Filter::default();
-        for &point in points {
-            filter.cover(point);
-        }
-        filter.update_bounds();
+        filter.extend_all(points);
         filter
     }
 
     /// Extends the filter to one more point.
     #[inline]
     pub fn extend(&mut self, point: DVec3) {
-        let (low, high) = (self.low, self.high);
+        let (low, high, unit) = (self.low, self.high, self.unit);
         self.cover(point);
-        if low != self.low || high != self.high {
+        if low != self.low || high != self.high || unit != self.unit {
             self.update_bounds();
         }
+    }
+
+    /// Extends the filter to many more points.
+    pub fn extend_all(&mut self, points: &[DVec3]) {
+        for &point in points {
+            self.cover(point + DVec3::ZERO);
+        }
+        self.update_bounds();
     }
 
     /// The corners of the box of all points; inverted when there is none.
@@ -139,6 +146,26 @@ impl Filter {
         let volume = size.x * size.y * size.z;
         self.orient_bound = ORIENT_ERROR * volume * (1.0 + 8.0 * f64::EPSILON);
         self.insphere_bound = INSPHERE_ERROR * volume * size.length_squared() * (1.0 + 16.0 * f64::EPSILON);
+        // On a grid of few steps all determinants are exact as they stand.
+        let extent = size.max_element();
+        if extent <= ORIENT_EXACT_UNITS * self.unit {
+            self.orient_bound = 0.0;
+        }
+        if extent <= INSPHERE_EXACT_UNITS * self.unit {
+            self.insphere_bound = 0.0;
+        }
+    }
+
+    /// What [`orient_lanes`] must exceed in magnitude to be right, for these points. When it is 0, a result of 0 is right too.
+    #[inline]
+    pub fn orient_bound(&self) -> f64 {
+        self.orient_bound
+    }
+
+    /// The same for [`insphere_lanes`].
+    #[inline]
+    pub fn insphere_bound(&self) -> f64 {
+        self.insphere_bound
     }
 
     /// The sign of `det[b−a, c−a, d−a]`: positive when `d` sees `abc` counterclockwise from the inside of a positive
@@ -217,6 +244,57 @@ fn insphere_determinant(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let dab = d.z * ab + a.z * bd + b.z * da;
     let lift = |v: DVec3| v.x * v.x + v.y * v.y + v.z * v.z;
     (lift(c) * dab - lift(d) * abc) + (lift(a) * bcd - lift(b) * cda)
+}
+
+/// The lanes of `p.x·q.y − q.x·p.y`.
+#[inline(always)]
+fn minor<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+    p[0].mul_sub(q[1], q[0].mul(p[1]))
+}
+
+#[inline(always)]
+fn lift<L: Lanes>(v: [L; 3]) -> L {
+    v[2].mul_add(v[2], v[1].mul_add(v[1], v[0].mul(v[0])))
+}
+
+/// `det[u, v, w]` in each lane: the opposite of [`Filter::orient3d`] of three points and a last one that they are relative to.
+#[inline(always)]
+pub fn orient_lanes<L: Lanes>(u: [L; 3], v: [L; 3], w: [L; 3]) -> L {
+    u[2].mul_add(minor(v, w), v[2].mul_add(minor(w, u), w[2].mul(minor(u, v))))
+}
+
+/// [`Filter::insphere`] in each lane, of four points relative to the one in question.
+#[inline(always)]
+pub fn insphere_lanes<L: Lanes>(a: [L; 3], b: [L; 3], c: [L; 3], d: [L; 3]) -> L {
+    let (ab, bc, cd, da) = (minor(a, b), minor(b, c), minor(c, d), minor(d, a));
+    let (ac, bd) = (minor(a, c), minor(b, d));
+    let abc = c[2].mul_add(ab, a[2].mul_sub(bc, b[2].mul(ac)));
+    let bcd = d[2].mul_add(bc, b[2].mul_sub(cd, c[2].mul(bd)));
+    let cda = a[2].mul_add(cd, c[2].mul_add(da, d[2].mul(ac)));
+    let dab = b[2].mul_add(da, d[2].mul_add(ab, a[2].mul(bd)));
+    // In two halves: the error bound is for a sum of this depth.
+    lift(c).mul_sub(dab, lift(d).mul(abc)).add(lift(a).mul_sub(bcd, lift(b).mul(cda)))
+}
+
+/// What more can be said of lanes that [`insphere_lanes`] leaves open, as bits: inside, outside, and on the sphere.
+#[inline(always)]
+pub fn insphere_lanes_again<L: Lanes>(filter: &Filter, det: L, a: [L; 3], b: [L; 3], c: [L; 3], d: [L; 3]) -> [u32; 3] {
+    let x = greatest(a[0], b[0], c[0], d[0]);
+    let y = greatest(a[1], b[1], c[1], d[1]);
+    let z = greatest(a[2], b[2], c[2], d[2]);
+    let error = L::splat(INSPHERE_ERROR * (1.0 + 16.0 * f64::EPSILON));
+    let bound = error.mul(x.mul(y).mul(z)).mul(lift([x, y, z]));
+    let zero = L::splat(0.0);
+    let exact = !x.max(y).max(z).greater(L::splat(INSPHERE_EXACT_UNITS * filter.unit)) & 0b1111;
+    let (positive, negative) = (det.greater(zero), zero.greater(det));
+    let inside = det.greater(bound) | positive & exact;
+    let outside = zero.sub(bound).greater(det) | negative & exact;
+    [inside, outside, exact & !(positive | negative)]
+}
+
+#[inline(always)]
+fn greatest<L: Lanes>(a: L, b: L, c: L, d: L) -> L {
+    a.abs().max(b.abs()).max(c.abs().max(d.abs()))
 }
 
 fn coord(p: DVec3) -> Coord3D<f64> {

@@ -99,6 +99,6 @@ impl Refiner<'_> {
 
     /// The distance from the cavity's point to the nearest vertex.
     pub(super) fn rim_distance(&self, p: DVec3) -> f64 {
-        self.cavity.rim().map(|v| self.t.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
+        self.cavity.rim(&self.t.topology).map(|v| self.t.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
     }
 }

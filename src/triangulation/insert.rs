@@ -112,48 +112,73 @@ impl Triangulation {
     /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
     /// renumbered in the end.
     fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let base = self.points.len();
+        let (base, present) = (self.points.len(), self.vertex_count());
         let order = spatial_order(points);
         let reserve = |what| Error::OutOfMemory { what };
         self.points.try_reserve(points.len()).map_err(|_| reserve("points"))?;
-        self.topology.vertex_tet.try_reserve(points.len()).map_err(|_| reserve("vertices"))?;
         self.topology.tets.try_reserve(points.len() * 7).map_err(|_| reserve("tetrahedra"))?;
-        for &point in points {
-            self.filter.extend(point + DVec3::ZERO);
-        }
-        // The working id of each input point's vertex.
-        let mut working = vec![NONE; points.len()];
-        for (done, &i) in order.iter().enumerate() {
-            if done % POLL_INTERVAL == 0
-                && !control.report("delaunay", done as f64 / points.len() as f64, self.points.len())
-            {
-                return Ok(None);
+        self.filter.extend_all(points);
+        self.points.extend(order.iter().map(|&i| points[i as usize] + DVec3::ZERO));
+        let mut cavity = std::mem::take(&mut self.scratch);
+        let mut duplicates = Vec::new();
+        for done in 0..points.len() {
+            if done % POLL_INTERVAL == 0 {
+                let vertices = present + done - duplicates.len();
+                if !control.report("delaunay", done as f64 / points.len() as f64, vertices) {
+                    return Ok(None);
+                }
             }
-            let vertex = self.points.len() as u32;
-            let inserted = self.insert_new(vertex, points[i as usize] + DVec3::ZERO, self.last)?;
-            if !inserted.is_new {
-                self.points.pop();
-                self.topology.vertex_tet.pop();
+            let vertex = (base + done) as u32;
+            let point = self.at(vertex);
+            let t = self.walk(point, self.last);
+            if let Some(at) = self.vertex_at(t, point) {
+                self.last = t;
+                duplicates.push((done, at));
+                continue;
             }
-            working[i as usize] = inserted.vertex;
+            self.find_cavity(&self.filter, point, t, &mut cavity);
+            self.commit(vertex, &mut cavity, false)?;
         }
-        // Number the new vertices by their first occurrence in the input.
-        let mut new_id: Vec<u32> =
-            (0..base as u32).chain(std::iter::repeat_n(NONE, self.points.len() - base)).collect();
-        let mut sorted = Vec::with_capacity(self.points.len() - base);
-        for id in &mut working {
-            let entry = &mut new_id[*id as usize];
-            if *entry == NONE {
-                *entry = (base + sorted.len()) as u32;
-                sorted.push(self.points[*id as usize]);
-            }
-            *id = *entry;
-        }
+        self.scratch = cavity;
+        let ids = self.number_in_input_order(base, points, &order, &duplicates);
+        control.report("delaunay", 1.0, self.vertex_count());
+        Ok(Some(ids))
+    }
+
+    /// Numbers the vertices from `base` on by their first occurrence in the input. `order` is the input's order of insertion;
+    /// `duplicates` are places in it, with the vertex that was there before. Returns the vertex of each input point.
+    fn number_in_input_order(
+        &mut self,
+        base: usize,
+        points: &[DVec3],
+        order: &[u32],
+        duplicates: &[(usize, u32)],
+    ) -> Vec<u32> {
+        let mut new_id: Vec<u32> = (0..base as u32).collect();
+        let mut ids: Vec<u32> = (base as u32..(base + points.len()) as u32).collect();
         self.points.truncate(base);
-        self.points.extend(sorted);
+        if duplicates.is_empty() {
+            new_id.extend(order.iter().map(|&i| base as u32 + i));
+            self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
+        } else {
+            new_id.resize(base + points.len(), NONE);
+            for (done, &i) in order.iter().enumerate() {
+                ids[i as usize] = (base + done) as u32;
+            }
+            for &(done, at) in duplicates {
+                ids[order[done] as usize] = at;
+            }
+            for (id, &point) in ids.iter_mut().zip(points) {
+                let entry = &mut new_id[*id as usize];
+                if *entry == NONE {
+                    *entry = self.points.len() as u32;
+                    self.points.push(point + DVec3::ZERO);
+                }
+                *id = *entry;
+            }
+        }
         self.topology.renumber(&new_id, self.points.len());
-        control.report("delaunay", 1.0, self.points.len());
-        Ok(Some(working))
+        ids
     }
 
     /// Stores `point` as that vertex and inserts it. When it is not new or fails, the caller takes it off again.
@@ -222,17 +247,19 @@ impl Triangulation {
         }
         let mut cavity = std::mem::take(&mut self.scratch);
         self.find_cavity(&self.filter, point, t, &mut cavity);
-        let result = self.commit(vertex, &mut cavity);
+        let result = self.commit(vertex, &mut cavity, true);
         self.scratch = cavity;
         result.map(|()| Inserted { vertex, is_new: true })
     }
 
-    fn commit(&mut self, vertex: u32, cavity: &mut Cavity) -> Result<(), Error> {
+    /// Inserts the point of `vertex` into its cavity. Without `incidence`, `vertex_tet` is left for later.
+    #[inline]
+    fn commit(&mut self, vertex: u32, cavity: &mut Cavity, incidence: bool) -> Result<(), Error> {
         if !self.topology.has_room(cavity.faces.len()) {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
         }
-        self.fill_cavity(vertex, cavity);
+        self.fill_cavity(vertex, cavity, incidence);
         self.last = cavity.created[cavity.created.len() - 1];
         Ok(())
     }
@@ -270,7 +297,7 @@ impl Triangulation {
             return Err(Error::TooManyVertices { requested: vertex as usize + 1, limit: MAX_VERTICES });
         }
         self.store(vertex, point);
-        let result = self.commit(vertex, cavity);
+        let result = self.commit(vertex, cavity, true);
         if result.is_err() {
             self.unstore(vertex, slots);
         }

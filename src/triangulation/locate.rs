@@ -1,12 +1,9 @@
-//! Point location by the visibility walk (O. Devillers, S. Pion, M. Teillaud, "Walking in a triangulation", IJFCS 13, 2002): from
-//! tetrahedron to tetrahedron across any face that separates from the goal. In a Delaunay
-//! triangulation it never turns in a circle, and the predicates are exact, so it ends.
+//! Point location: a [walk](super::search), then the face of the tetrahedron that the point is in.
 
 use glam::DVec3;
 
-use super::topology::{slot_of, tet_of};
 use super::Triangulation;
-use crate::geometry::{Filter, Sign};
+use crate::geometry::Sign;
 
 /// Where a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,42 +63,9 @@ impl Triangulation {
         }
     }
 
-    /// The tetrahedron that holds `p`, its faces included, or a ghost whose hull facet has `p` strictly outside. `p` must be
-    /// covered by the triangulation's filter.
+    /// [`walk_with`](Self::walk_with) the triangulation's own filter.
     #[inline]
     pub(crate) fn walk(&self, p: DVec3, start: u32) -> u32 {
         self.walk_with(&self.filter, p, start)
-    }
-
-    pub(crate) fn walk_with(&self, filter: &Filter, p: DVec3, start: u32) -> u32 {
-        let mut t = start;
-        let mut entered = usize::MAX;
-        if self.topology.tet(t).is_ghost() {
-            let face = self.topology.tet(t).n[3];
-            // Nothing is known yet of p and that face.
-            t = tet_of(face);
-        }
-        'walk: loop {
-            let tet = self.topology.tet(t);
-            let corners = self.corners(t);
-            for slot in 0..4 {
-                if slot == entered {
-                    continue;
-                }
-                let mut replaced = corners;
-                replaced[slot] = p;
-                let [a, b, c, d] = replaced;
-                if filter.orient3d(a, b, c, d) == Sign::Negative {
-                    let face = tet.n[slot];
-                    t = tet_of(face);
-                    entered = slot_of(face);
-                    if self.topology.tet(t).is_ghost() {
-                        return t;
-                    }
-                    continue 'walk;
-                }
-            }
-            return t;
-        }
     }
 }

@@ -3,9 +3,11 @@
 //! | module | idea |
 //! |---|---|
 //! | [`topology`] | tetrahedra, adjacency, ghosts; no coordinates |
-//! | [`cavity`] | what an insertion would remove and create, then doing it |
+//! | [`cavity`] | what an insertion would remove and create |
 //! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
-//! | `locate` | the visibility walk |
+//! | `search` | the walk to a point and the search of its cavity, four predicates at once |
+//! | `star` | the cavity replaced |
+//! | `locate` | where a point lies |
 //! | `insert` | one point, or many in a spatial order |
 //! | `order` | that order: BRIO rounds along a Hilbert curve |
 //! | `lower` | points that span no volume yet |
@@ -21,6 +23,8 @@ mod locate;
 mod lower;
 mod order;
 pub mod remove;
+mod search;
+mod star;
 pub mod topology;
 mod validate;
 mod vertices;
@@ -79,7 +83,8 @@ impl Triangulation {
     /// The corners of a tetrahedron without the ghost.
     #[inline]
     pub(crate) fn corners(&self, t: u32) -> [DVec3; 4] {
-        self.topology.tet(t).v.map(|v| self.points[v as usize])
+        let [a, b, c, d] = self.topology.tet(t).v;
+        [self.at(a), self.at(b), self.at(c), self.at(d)]
     }
 
     /// The tetrahedra's vertices, positively oriented, in storage order.

@@ -88,7 +88,7 @@ pub struct Topology {
     /// One label a tetrahedron, inherited by what replaces it; empty until a domain asks for labels.
     pub region: Vec<u16>,
     free: Vec<u32>,
-    ghosts: usize,
+    pub(super) ghosts: usize,
 }
 
 impl Topology {
@@ -154,6 +154,38 @@ impl Topology {
         self.free.push(t);
     }
 
+    /// Finds slots for `count` tetrahedra: those of the tetrahedra in `old`, which are still to be read and then to be
+    /// written over, free ones, and new ones.
+    #[inline]
+    pub(super) fn allocate(&mut self, old: &[u32], count: usize, slots: &mut Vec<u32>) {
+        slots.clear();
+        for &t in old {
+            self.ghosts -= usize::from(self.tet(t).is_ghost());
+        }
+        slots.extend_from_slice(&old[..old.len().min(count)]);
+        while slots.len() < count {
+            slots.push(match self.free.pop() {
+                Some(t) => t,
+                None => {
+                    self.tets.push(Tetrahedron { v: [DEAD; 4], n: [NONE; 4] });
+                    if !self.region.is_empty() {
+                        self.region.push(0);
+                    }
+                    self.tets.len() as u32 - 1
+                }
+            });
+        }
+    }
+
+    /// Frees those slots that [`allocate`](Self::allocate) had no use for. The first will be the first to be used.
+    #[inline]
+    pub(super) fn release(&mut self, old: &[u32], used: usize) {
+        for &t in old.iter().skip(used).rev() {
+            self.tets[t as usize].v = [DEAD; 4];
+            self.free.push(t);
+        }
+    }
+
     /// Makes two faces each other's neighbours.
     #[inline]
     pub fn join(&mut self, f: u32, g: u32) {
@@ -201,17 +233,24 @@ impl Topology {
 
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices.
     pub fn renumber(&mut self, new_id: &[u32], count: usize) {
-        self.vertex_tet.clear();
-        self.vertex_tet.resize(count, NONE);
+        // First by old ids, which are neighbours in memory where the vertices are in space.
+        let mut incident = vec![NONE; new_id.len()];
         for (t, tet) in self.tets.iter_mut().enumerate() {
             if !tet.is_live() {
                 continue;
             }
             for v in &mut tet.v {
                 if *v != GHOST {
+                    incident[*v as usize] = t as u32;
                     *v = new_id[*v as usize];
-                    self.vertex_tet[*v as usize] = t as u32;
                 }
+            }
+        }
+        self.vertex_tet.clear();
+        self.vertex_tet.resize(count, NONE);
+        for (&t, &v) in incident.iter().zip(new_id) {
+            if t != NONE {
+                self.vertex_tet[v as usize] = t;
             }
         }
     }
