@@ -32,7 +32,8 @@ pub fn encroaches_facet([a, b, c]: [DVec3; 3], p: DVec3) -> bool {
     let m = (u.length_squared() * v - v.length_squared() * u).cross(n);
     let (left, right) = (w.length_squared() * n.length_squared(), w.dot(m));
     let length = u.length_squared().max(v.length_squared());
-    let error = 1e-14 * (w.length_squared() * length * length + w.length() * length * length * length.sqrt());
+    // Off by at most 30u of |w|²·length⁴ and 90u of |w|·length⁵.
+    let error = 3e-14 * (w.length_squared() * length * length + w.length() * length * length * length.sqrt());
     if (left - right).abs() > error {
         return left < right;
     }

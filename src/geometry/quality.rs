@@ -24,8 +24,10 @@ pub fn radius_and_edge_squared(tet: [DVec3; 4]) -> (f64, f64) {
 /// for round-off), and floating point knows nothing of their circumradius: they are computed exactly.
 pub fn radius_edge(tet: [DVec3; 4]) -> f64 {
     let (shape, longest) = shape(tet);
-    let cube = longest * longest.sqrt();
-    let radius = if shape.volume6.abs() > SLIVER * cube && shape.numerator.sqrt() > SLIVER * cube * longest {
+    let is_round = shape.volume6.abs() > SLIVER * longest * longest.sqrt()
+        && shape.numerator.sqrt() > SLIVER * longest * longest
+        && SAFE_SIZES.contains(&longest);
+    let radius = if is_round {
         shape.numerator.sqrt() / (2.0 * shape.volume6.abs())
     } else {
         let (numerator, volume6) = numerator_and_volume::<Dyadic>(tet);
@@ -42,6 +44,9 @@ pub fn radius_edge(tet: [DVec3; 4]) -> f64 {
 /// Where the quantities of the formula, over the powers of the longest edge, are too small for nine digits: their errors are at most
 /// about 60u.
 const SLIVER: f64 = 1e-5;
+
+/// Squared lengths for which the floating-point formulas, of degree 8, neither overflow nor lose their error bounds to underflow.
+const SAFE_SIZES: std::ops::Range<f64> = 1e-60..1e60;
 
 struct Shape {
     numerator: f64,
@@ -69,18 +74,19 @@ pub fn exceeds_radius_edge(tet: [DVec3; 4], bound: f64) -> bool {
     let d2 = shape.volume6 * shape.volume6;
     let left = shape.numerator;
     let right = 4.0 * bound * bound * shape.shortest * d2;
-    // Absolute errors: volume6 is off by at most about 20u·L³, |N| by at most about 60u·L⁵ (L² = longest). Squared
-    // quantities are off by twice that times the quantity, which 2⁻⁴⁶ covers with room.
-    let scale = longest * longest.sqrt();
-    let slack = 1.5e-14;
-    let left_error = slack * (left.sqrt() * (scale * longest) + slack * (scale * longest) * (scale * longest));
-    let right_error =
-        slack * 4.0 * bound * bound * shape.shortest * (shape.volume6.abs() * scale + slack * scale * scale);
-    if left - right > left_error + right_error {
-        return true;
-    }
-    if right - left > left_error + right_error {
-        return false;
+    // Absolute errors, with L² = longest: D is off by at most 20u·L³ and |N| by at most 80u·L⁴, their squares by twice that times the
+    // quantity and the square of it; the shortest edge's square by 6u of itself. 360u covers all.
+    let slack = 4e-14;
+    let (scale3, scale4) = (longest * longest.sqrt(), longest * longest);
+    let left_error = slack * scale4 * (left.sqrt() + slack * scale4);
+    let right_error = slack * scale3 * 4.0 * bound * bound * shape.shortest * (shape.volume6.abs() + slack * scale3);
+    if SAFE_SIZES.contains(&longest) {
+        if left - right > left_error + right_error {
+            return true;
+        }
+        if right - left > left_error + right_error {
+            return false;
+        }
     }
     exceeds_exactly(tet, bound)
 }
@@ -162,6 +168,26 @@ mod tests {
         // Off the circle too, by more than off its plane: the circumsphere is about as large as the ratio of the two.
         let large = [[3., 4., 1.], [-4., 3., 1.], [-3., -4., 1.], [4.5, -3., off]].map(DVec3::from);
         assert!(radius_edge(large) > 1e14);
+    }
+
+    #[test]
+    fn the_answer_does_not_depend_on_the_scale() {
+        // Nearly at the bound: of the corner of a box with R = 1.5 one leg is longer by a few ulps, at scales from tiny to huge.
+        for exponent in [-142, -130, -60, -20, -7, 0, 9, 33, 90, 190] {
+            let s = 2f64.powi(exponent);
+            for ulps in -3i64..=3 {
+                let leg = f64::from_bits((2f64.to_bits() as i64 + ulps) as u64);
+                let t = [[0., 0., 0.], [1., 0., 0.], [0., 2., 0.], [0., 0., leg]].map(|p| DVec3::from(p) * s);
+                assert_eq!(exceeds_radius_edge(t, 1.5), ulps > 0, "2^{exponent}, {ulps} ulps");
+                assert!((radius_edge(t) - 1.5).abs() < 1e-9);
+                // Once more as a sliver's worst case: moved so that differences round.
+                let moved = t.map(|p| p + DVec3::splat(s / 3.0));
+                let exact = EDGES
+                    .iter()
+                    .any(|&[i, j]| excess::<Dyadic>(moved, [moved[i], moved[j]], 1.5).sign() == Some(Sign::Positive));
+                assert_eq!(exceeds_radius_edge(moved, 1.5), exact);
+            }
+        }
     }
 
     #[test]
