@@ -80,11 +80,28 @@ impl Mesh {
             return Err(whole("its points lie in a plane and enclose no volume"));
         }
         let boundary = Boundary::from_plc(&mesh.t, plc, &ids)?;
-        match mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? {
-            RefineStatus::Cancelled => Err(Error::Cancelled),
-            _ if mesh.inside().next().is_none() => Err(whole("its facets enclose no volume")),
-            _ => Ok(mesh),
+        if mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? == RefineStatus::Cancelled {
+            return Err(Error::Cancelled);
         }
+        if let Some(error) = mesh.unrecovered() {
+            return Err(error);
+        }
+        if mesh.inside().next().is_none() {
+            return Err(whole("its facets enclose no volume"));
+        }
+        Ok(mesh)
+    }
+
+    /// The error for a subsegment or subfacet that recovery had to leave missing.
+    fn unrecovered(&self) -> Option<Error> {
+        let boundary = self.boundary()?;
+        let defect = boundary.first_missing(&self.t)?;
+        let element = match defect {
+            Defect::MissingSubfacet { face } => boundary.facet_of(face).map(crate::DomainElement::Facet),
+            _ => None,
+        };
+        let element = element.unwrap_or(crate::DomainElement::Whole);
+        Some(Error::InvalidDomain { element, problem: format!("can't be recovered by splits: {defect}") })
     }
 
     /// Makes the convex hull of the present points the domain: its coplanar facets are kept as facets, its other edges as segments.
@@ -213,6 +230,13 @@ impl Mesh {
             status = result?;
         }
         let mut report = self.report(options.radius_edge, status);
+        let waits =
+            |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
+        let left = report.bad > 0 || self.boundary().is_some_and(waits);
+        if !left && report.status != RefineStatus::Cancelled {
+            // A limit was met with nothing left to do, or what was refused has been mended on the way.
+            report.status = RefineStatus::Done;
+        }
         [report.samples, report.segment_splits, report.facet_splits] = counts;
         Ok(report)
     }

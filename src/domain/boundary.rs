@@ -161,6 +161,11 @@ impl Boundary {
         &self.facets
     }
 
+    /// The position of a subfacet's facet.
+    pub(crate) fn facet_of(&self, face: [u32; 3]) -> Option<usize> {
+        self.subfacets.get(&face_key(face)).map(|&facet| facet as usize)
+    }
+
     /// Whether the edge is a subsegment.
     pub fn is_subsegment(&self, edge: [u32; 2]) -> bool {
         self.subsegments.contains_key(&edge_key(edge))
@@ -225,8 +230,11 @@ impl Boundary {
 
     /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted.
     pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached) {
-        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v));
-        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v));
+        // What the vertex has removed from the triangulation is split at any angle.
+        let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
+        let is_face = |face: [u32; 3]| t.face_apices(face).next().is_some();
+        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
+        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
         self.enqueue(&found);
     }
 
@@ -306,6 +314,18 @@ impl Boundary {
         found.segments =
             found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
         found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();
+    }
+
+    /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued.
+    pub(crate) fn unblock(&mut self, t: &Triangulation) {
+        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().collect();
+        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().collect();
+        segments.sort_unstable();
+        facets.sort_unstable();
+        segments.retain(|&edge| self.waits_segment(edge) && self.needs_split_segment(t, edge));
+        facets.retain(|&face| self.waits_facet(face) && self.needs_split_facet(t, face));
+        self.pending_segments.extend(segments);
+        self.pending_facets.extend(facets);
     }
 
     /// Takes out what can't be split any more.

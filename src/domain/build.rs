@@ -21,6 +21,9 @@ use crate::{DomainElement, Error};
 /// How far a facet's points may lie off its plane, relative to its size. Points of a slanted plane have no exact coordinates.
 const PLANARITY: f64 = 1e-9;
 
+/// Labels of regions have 16 bits, of which a few values mean something else.
+const MAX_REGIONS: usize = 60_000;
+
 fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {
     Error::InvalidDomain { element, problem: problem.into() }
 }
@@ -55,7 +58,22 @@ impl Plc {
                 }
             }
         }
-        let finite = |p: DVec3, element| if p.is_finite() { Ok(()) } else { Err(invalid(element, "is not finite")) };
+        let finite = |p: DVec3, element| {
+            if p.is_finite() {
+                Ok(())
+            } else {
+                Err(invalid(element, "has a seed that is not finite"))
+            }
+        };
+        for (i, facet) in self.facets.iter().enumerate() {
+            facet.holes.iter().try_for_each(|&hole| finite(hole, DomainElement::Facet(i)))?;
+        }
+        if self.regions.len() > MAX_REGIONS {
+            return Err(invalid(
+                DomainElement::Region(MAX_REGIONS),
+                format!("is one more than the {MAX_REGIONS} that there can be"),
+            ));
+        }
         for (i, &hole) in self.holes.iter().enumerate() {
             finite(hole, DomainElement::Hole(i))?;
         }
@@ -117,7 +135,9 @@ impl Boundary {
                     }
                 }
             }
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            // The largest triangle's normal: a slender one's may be lost to rounding.
+            let normals = triangles.iter().map(|&[a, b, c]| (t.at(b) - t.at(a)).cross(t.at(c) - t.at(a)));
+            let normal = normals.max_by(|m, n| m.length_squared().total_cmp(&n.length_squared())).unwrap_or_default();
             let facet = FacetTriangulation::new(&triangles, normal, 0, t.points());
             for &face in &triangles {
                 boundary.subfacets.insert(face_key(face), index);

@@ -135,9 +135,9 @@ impl FacetTriangulation {
         [[a, b], [b, a]].into_iter().filter_map(|[a, b]| self.apex.get(&[a, b]).map(|&c| [a, b, c]))
     }
 
-    fn in_circle(&self, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
+    fn in_circle(&self, filter: &Filter, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
         let at = |v: u32| points[v as usize];
-        in_conflict(&self.filter, [at(a), at(b), at(c), self.above], p)
+        in_conflict(filter, [at(a), at(b), at(c), self.above], p)
     }
 
     fn counterclockwise(&self, a: DVec3, b: DVec3, c: DVec3) -> bool {
@@ -160,7 +160,8 @@ impl FacetTriangulation {
         in_space: impl Fn([u32; 3]) -> InSpace,
     ) -> Option<FacetChange> {
         let p = points[new as usize];
-        self.filter.extend(p);
+        let mut filter = self.filter.clone();
+        filter.extend(p);
         let is_split = |[a, b]: [u32; 2]| split == Some([a, b]) || split == Some([b, a]);
         let mut removed: Vec<[u32; 3]> = start.to_vec();
         let mut next = 0;
@@ -175,7 +176,7 @@ impl FacetTriangulation {
                 let goes = || match in_space(triangle) {
                     InSpace::BothGo => true,
                     InSpace::Stays => false,
-                    InSpace::OneGoes | InSpace::Missing => self.in_circle(triangle, p, points),
+                    InSpace::OneGoes | InSpace::Missing => self.in_circle(&filter, triangle, p, points),
                 };
                 if !known && goes() {
                     removed.push(triangle);
@@ -203,6 +204,7 @@ impl FacetTriangulation {
                 Some(_) => return None,
             }
         };
+        self.filter = filter;
         for &t in &removed {
             self.remove(t);
         }
@@ -221,7 +223,7 @@ impl FacetTriangulation {
         let mut budget = 64 + queue.len() * queue.len().min(4096);
         while let Some([a, b]) = queue.pop() {
             let (Some(&c), Some(&d)) = (self.apex.get(&[a, b]), self.apex.get(&[b, a])) else { continue };
-            if budget == 0 || fixed([a, b]) || !self.in_circle([a, b, c], points[d as usize], points) {
+            if budget == 0 || fixed([a, b]) || !self.in_circle(&self.filter, [a, b, c], points[d as usize], points) {
                 continue;
             }
             let at = |v: u32| points[v as usize];

@@ -46,6 +46,8 @@ pub struct Refiner<'a> {
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
     watching: bool,
     refused: bool,
+    /// As reported last: what is left to do may grow, but progress never falls.
+    progress: f64,
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
@@ -73,6 +75,7 @@ impl<'a> Refiner<'a> {
             link: Vec::new(),
             watching: false,
             refused: false,
+            progress: 0.0,
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
@@ -95,6 +98,7 @@ impl<'a> Refiner<'a> {
     /// The whole loop.
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
+        self.boundary.unblock(self.t);
         let all: Vec<u32> = self.t.topology.finite().collect();
         for t in all {
             self.watch(t);
@@ -113,11 +117,12 @@ impl<'a> Refiner<'a> {
         Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
     }
 
-    fn limit(&self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
+    fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
         let vertices = self.t.vertex_count();
         let open = self.queue.len() + self.boundary.pending_segments.len() + self.boundary.pending_facets.len();
         let go_on = if *turns % REPORT_INTERVAL == 0 {
-            control.report(stage, vertices as f64 / (vertices + open) as f64, vertices)
+            self.progress = self.progress.max(vertices as f64 / (vertices + open) as f64);
+            control.report(stage, self.progress, vertices)
         } else {
             control.poll()
         };

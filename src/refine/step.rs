@@ -122,8 +122,13 @@ impl Mesh {
                 return Ok(batch);
             }
         }
-        batch.points =
-            samples.points.into_iter().map(|position| SteinerPoint { position, origin: Origin::Sample }).collect();
+        batch.points = samples
+            .points
+            .into_iter()
+            .map(flush_tiny)
+            .filter(|&position| check_range(0, position).is_ok())
+            .map(|position| SteinerPoint { position, origin: Origin::Sample })
+            .collect();
         (batch.span, batch.theta) = (samples.span, samples.theta);
         Ok(batch)
     }
@@ -179,7 +184,8 @@ impl Mesh {
     /// inserted; what it encroaches upon is split by the next batches. No new vertex and no other next batch means that the edge can't be
     /// mended: its mending would need an edge below 2⁻⁴⁰ of the bounding box.
     pub fn insert_batch(&mut self, batch: &Batch) -> Result<Vec<Option<u32>>, Error> {
-        for (index, point) in batch.points.iter().enumerate() {
+        // The place of a split is computed anew; only samples are taken as they are.
+        for (index, point) in batch.points.iter().enumerate().filter(|(_, point)| point.origin == Origin::Sample) {
             check_range(index, point.position)?;
         }
         if self.t.dimension() < 3 {

@@ -243,3 +243,68 @@ fn domains_without_volume_are_refused() {
     plc.segments.push(PlcSegment { ends: [3, 3], marker: 0 });
     assert_eq!(element(&plc).0, DomainElement::Segment(0));
 }
+
+#[test]
+fn refused_points_leave_no_trace_in_the_bounding_box() {
+    let mut next = numbers(17);
+    let points: Vec<DVec3> = (0..60).map(|_| DVec3::new(next(), next(), next())).collect();
+    for rule in [Rule::Sparse, Rule::Circumcenter] {
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        mesh.refine(&RefineOptions { rule, ..RefineOptions::default() }, &Control::new()).unwrap();
+        let all = mesh.t.points().iter();
+        let exact = all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+        assert_eq!(mesh.t.bounding_box(), exact);
+    }
+}
+
+#[test]
+fn a_limit_met_with_nothing_left_to_do_is_done() {
+    let plc = random_box(50, 7);
+    let full =
+        Mesh::from_plc(&plc, &Control::new()).unwrap().refine(&RefineOptions::default(), &Control::new()).unwrap();
+    for (max_vertices, status) in [(full.vertices, RefineStatus::Done), (full.vertices - 1, RefineStatus::VertexLimit)]
+    {
+        let options = RefineOptions { max_vertices, ..RefineOptions::default() };
+        let report = Mesh::from_plc(&plc, &Control::new()).unwrap().refine(&options, &Control::new()).unwrap();
+        assert_eq!((report.status, report.vertices), (status, max_vertices));
+    }
+}
+
+#[test]
+fn what_one_call_could_not_split_the_next_may() {
+    let mut mesh = Mesh::from_plc(&random_box(20, 9), &Control::new()).unwrap();
+    let coarse = RefineOptions { radius_edge: 0.7, min_edge: 0.5, ..RefineOptions::default() };
+    assert_eq!(mesh.refine(&coarse, &Control::new()).unwrap().status, RefineStatus::Unrefined);
+    assert!(
+        !mesh.boundary().unwrap().blocked_facets.is_empty() || !mesh.boundary().unwrap().blocked_segments.is_empty()
+    );
+    let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    check(&mesh, 2.0, 27.0);
+}
+
+#[test]
+fn progress_never_falls() {
+    use std::sync::{Arc, Mutex};
+    let seen: Arc<Mutex<Vec<f64>>> = Arc::default();
+    let sink = seen.clone();
+    let control = Control::with_progress(move |p| {
+        if p.stage == "refine" {
+            sink.lock().unwrap().push(p.fraction);
+        }
+        true
+    });
+    let mut mesh = Mesh::from_plc(&random_box(1500, 2), &control).unwrap();
+    mesh.refine(&RefineOptions { radius_edge: 1.5, ..RefineOptions::default() }, &control).unwrap();
+    let seen = seen.lock().unwrap();
+    assert!(seen.len() > 2 && seen.windows(2).all(|w| w[0] <= w[1]), "{seen:?}");
+}
+
+#[test]
+fn seeds_must_be_finite() {
+    let mut plc = random_box(0, 1);
+    plc.facets[3].holes.push(DVec3::NAN);
+    let refused = Mesh::from_plc(&plc, &Control::new());
+    assert!(matches!(refused, Err(Error::InvalidDomain { element: crate::DomainElement::Facet(3), .. })));
+}

@@ -273,9 +273,11 @@ impl Triangulation {
     /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does
     /// not. `Err` is the vertex at the same place. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves
     /// the walk.
-    pub(crate) fn prepare(&mut self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
-        self.filter.extend(point);
-        self.look(&self.filter, point, start, cavity)
+    pub(crate) fn prepare(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
+        // The triangulation's own filter, and with it the bounding box, grows only when the point is inserted.
+        let mut filter = self.filter.clone();
+        filter.extend(point);
+        self.look(&filter, point, start, cavity)
     }
 
     /// [`prepare`](Self::prepare) for looking only: with a filter that covers the point, the triangulation need not change.
@@ -296,6 +298,7 @@ impl Triangulation {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: vertex as usize + 1, limit: MAX_VERTICES });
         }
+        self.filter.extend(point);
         self.store(vertex, point);
         let result = self.commit(vertex, cavity, true);
         if result.is_err() {
