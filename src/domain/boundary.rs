@@ -14,7 +14,7 @@ use super::facet::FacetTriangulation;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::GHOST;
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -232,7 +232,7 @@ impl Boundary {
     pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached) {
         // What the vertex has removed from the triangulation is split at any angle.
         let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
-        let is_face = |face: [u32; 3]| t.face_apices(face).next().is_some();
+        let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
         found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
         found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
         self.enqueue(&found);
@@ -404,25 +404,16 @@ impl Boundary {
         if let Some((edge, _)) = segment {
             return Some(Defect::MissingSubsegment { edge });
         }
-        let facet = self.subfacets().into_iter().find(|&(face, _)| t.face_apices(face).next().is_none());
+        let facet = self.subfacets().into_iter().find(|&(face, _)| t.topology.find_face(face).is_none());
         facet.map(|(face, _)| Defect::MissingSubfacet { face })
     }
 }
 
 impl Triangulation {
     /// The vertices opposite a face, the ghost among them; none when it is no face.
-    pub(crate) fn face_apices(&self, [a, b, c]: [u32; 3]) -> impl Iterator<Item = u32> + '_ {
-        let found = self.topology.find_edge(a, b).and_then(|(tet, i, j)| {
-            self.topology.around_edge(tet, i, j).find_map(|(tet, k, l)| {
-                let v = self.topology.tet(tet).v;
-                // Entered through v[k]'s side: the face (a, b, v[l]) is opposite v[k].
-                (v[l] == c).then_some((tet, k))
-            })
-        });
-        found.into_iter().flat_map(|(tet, k)| {
-            let face = self.topology.tet(tet).n[k];
-            let across = self.topology.tet(face >> 2).v[(face & 3) as usize];
-            [self.topology.tet(tet).v[k], across]
-        })
+    fn face_apices(&self, face: [u32; 3]) -> impl Iterator<Item = u32> + '_ {
+        let apex = |face: u32| self.topology.tet(tet_of(face)).v[slot_of(face)];
+        let side = self.topology.find_face(face);
+        side.into_iter().flat_map(move |face| [apex(face), apex(self.topology.tet(tet_of(face)).n[slot_of(face)])])
     }
 }

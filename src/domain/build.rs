@@ -241,7 +241,7 @@ impl Boundary {
         let mut planar = planar_triangulation(t, &mut vertices, &constraints, normal, facet)
             .map_err(|problem| invalid(element, problem))?;
         // Other vertices in the facet keep one of its triangles from being a face. Only then is it worth to look through all.
-        if planar.triangles().into_iter().any(|face| t.face_apices(face).next().is_none()) {
+        if planar.triangles().into_iter().any(|face| t.topology.find_face(face).is_none()) {
             vertices.extend(vertices_on_plane(t, &vertices));
             planar = planar_triangulation(t, &mut vertices, &constraints, normal, facet)
                 .map_err(|problem| invalid(element, problem))?;

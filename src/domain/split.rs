@@ -6,7 +6,7 @@ use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
 use super::facet::{FacetChange, InSpace};
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{tet_of, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 
 impl Boundary {
@@ -126,17 +126,13 @@ impl Boundary {
 
 impl Triangulation {
     /// What becomes of a face when a cavity is filled.
-    fn in_space(&self, cavity: &Cavity, [a, b, c]: [u32; 3]) -> InSpace {
-        let Some((t, i, j)) = self.topology.find_edge(a, b) else { return InSpace::Missing };
-        let face = self.topology.around_edge(t, i, j).find_map(|(t, k, l)| {
-            let tet = self.topology.tet(t);
-            (tet.v[l] == c).then_some((t, tet_of(tet.n[k])))
-        });
-        match face.map(|(t, u)| (cavity.contains(t), cavity.contains(u))) {
-            None => InSpace::Missing,
-            Some((true, true)) => InSpace::BothGo,
-            Some((false, false)) => InSpace::Stays,
-            Some(_) => InSpace::OneGoes,
+    fn in_space(&self, cavity: &Cavity, face: [u32; 3]) -> InSpace {
+        let Some(face) = self.topology.find_face(face) else { return InSpace::Missing };
+        let across = self.topology.tet(tet_of(face)).n[slot_of(face)];
+        match (cavity.contains(tet_of(face)), cavity.contains(tet_of(across))) {
+            (true, true) => InSpace::BothGo,
+            (false, false) => InSpace::Stays,
+            _ => InSpace::OneGoes,
         }
     }
 

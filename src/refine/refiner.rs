@@ -227,7 +227,7 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Refused);
         }
         let new = self.insert_prepared(p)?;
-        self.finish(new);
+        self.finish();
         Ok(Placed::Inserted(new))
     }
 
@@ -239,7 +239,7 @@ impl<'a> Refiner<'a> {
     }
 
     /// Looks at the tetrahedra that the last insertion created.
-    pub(super) fn finish(&mut self, _new: u32) {
+    pub(super) fn finish(&mut self) {
         if self.watching {
             for i in 0..self.cavity.created.len() {
                 self.watch(self.cavity.created[i]);

@@ -44,7 +44,7 @@ impl Refiner<'_> {
                 let new = self.insert_prepared(p)?;
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
                 self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
-                self.finish(new);
+                self.finish();
                 self.segment_splits += 1;
                 Ok(Split::Done(new))
             }
@@ -86,7 +86,7 @@ impl Refiner<'_> {
         debug_assert_eq!(inserted, new);
         self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
         self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
-        self.finish(new);
+        self.finish();
         self.facet_splits += 1;
         Ok(Split::Done(new))
     }

@@ -157,9 +157,7 @@ impl Mesh {
             if check_range(i, p).is_err() {
                 continue;
             }
-            let mut filter = self.t.filter.clone();
-            filter.extend(p);
-            if self.t.look(&filter, p, start, &mut cavity).is_ok() {
+            if self.t.prepare(p, start, &mut cavity).is_ok() {
                 boundary.encroached_by(&self.t, p, &cavity, &mut found);
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);

@@ -6,7 +6,7 @@ use super::cavity::Cavity;
 use super::order::spatial_order;
 use super::topology::{tet_of, GHOST, MAX_VERTICES, NONE};
 use super::Triangulation;
-use crate::geometry::{check_points, check_range, Filter, Sign};
+use crate::geometry::{check_points, check_range, Sign};
 use crate::{Control, Error};
 
 /// What became of an inserted point.
@@ -277,17 +277,12 @@ impl Triangulation {
         // The triangulation's own filter, and with it the bounding box, grows only when the point is inserted.
         let mut filter = self.filter.clone();
         filter.extend(point);
-        self.look(&filter, point, start, cavity)
-    }
-
-    /// [`prepare`](Self::prepare) for looking only: with a filter that covers the point, the triangulation need not change.
-    pub(crate) fn look(&self, filter: &Filter, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
-        let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(filter, start, point);
-        let t = if in_conflict { start } else { self.walk_with(filter, point, start) };
+        let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(&filter, start, point);
+        let t = if in_conflict { start } else { self.walk_with(&filter, point, start) };
         if let Some(at) = self.vertex_at(t, point) {
             return Err(at);
         }
-        self.find_cavity(filter, point, t, cavity);
+        self.find_cavity(&filter, point, t, cavity);
         Ok(())
     }
 

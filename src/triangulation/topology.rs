@@ -209,6 +209,13 @@ impl Topology {
         })
     }
 
+    /// A handle of the face with these vertices, from one of its two sides; `None` when they span no face. Costs as
+    /// [`find_edge`](Self::find_edge) of the first two, and the tetrahedra around that edge.
+    pub fn find_face(&self, [a, b, c]: [u32; 3]) -> Option<u32> {
+        let (t, i, j) = self.find_edge(a, b)?;
+        self.around_edge(t, i, j).find_map(|(t, k, l)| (self.tet(t).v[l] == c).then_some(4 * t + k as u32))
+    }
+
     /// The tetrahedra at a vertex, ghosts included, in the order of a breadth-first walk.
     pub fn star(&self, vertex: u32) -> Vec<u32> {
         let first = self.vertex_tet[vertex as usize];
