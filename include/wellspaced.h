@@ -225,6 +225,26 @@
 #define WSP_RULE_SPARSE 3
 
 /**
+ * WSP_SPARSIFY_QUICK with WSP_RULE_SPARSE, WSP_SPARSIFY_OFF with the other rules.
+ */
+#define WSP_SPARSIFY_DEFAULT 0
+
+/**
+ * No Steiner point is taken away again.
+ */
+#define WSP_SPARSIFY_OFF 1
+
+/**
+ * Steiner points are taken away where that is found out at little cost.
+ */
+#define WSP_SPARSIFY_QUICK 2
+
+/**
+ * More is tried: three to five times the time, for about a tenth fewer Steiner points.
+ */
+#define WSP_SPARSIFY_THOROUGH 3
+
+/**
  * A point is at a vertex: `vertices[0]`.
  */
 #define WSP_AT_VERTEX 0
@@ -355,6 +375,11 @@ typedef struct wsp_sampler_options {
 } wsp_sampler_options;
 
 /**
+ * How hard to try to do with fewer Steiner points: one of the WSP_SPARSIFY_ constants.
+ */
+typedef uint32_t wsp_sparsify;
+
+/**
  * What a refinement shall reach and when it shall stop. Fill it with wsp_refine_options_init, or pass NULL for
  * the defaults.
  */
@@ -382,6 +407,14 @@ typedef struct wsp_refine_options {
      * No vertex is added beyond this many, input included. Default: 100 million.
      */
     size_t max_vertices;
+    /**
+     * How hard to try to do with fewer Steiner points, one of the WSP_SPARSIFY_ constants. Default: WSP_SPARSIFY_DEFAULT.
+     */
+    wsp_sparsify sparsify;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
 } wsp_refine_options;
 
 /**
@@ -549,6 +582,14 @@ typedef struct wsp_report {
      * The smallest dihedral angle in the domain, in degrees; 180 without tetrahedra.
      */
     double min_dihedral_degrees;
+    /**
+     * Steiner points that this call has taken away again without putting another in their place.
+     */
+    size_t removed;
+    /**
+     * Steiner points that this call has put in the place of two each.
+     */
+    size_t replaced;
 } wsp_report;
 
 #ifdef __cplusplus
@@ -1021,8 +1062,9 @@ wsp_status wsp_report_init(struct wsp_report *report, size_t size);
 
 /**
  * Adds Steiner points until no tetrahedron of the domain exceeds the bound on circumradius over shortest edge.
- * Without a domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Vertices
- * keep their ids; new ones are numbered on.
+ * Without a domain the convex hull becomes the domain first (see wsp_triangulation_use_hull_as_domain). Input vertices
+ * keep their ids, Steiner points are numbered behind them. With `sparsify` on, as it is by default, Steiner points of earlier calls
+ * may be taken away too, and those that remain get new ids without gaps; with WSP_SPARSIFY_OFF all keep their ids.
  *
  * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
  * the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
@@ -1037,6 +1079,25 @@ wsp_status wsp_refine(struct wsp_triangulation *triangulation,
                       const struct wsp_refine_options *options,
                       struct wsp_control *control,
                       struct wsp_report *report);
+
+/**
+ * Takes Steiner points away, or puts one in the place of two neighbours, wherever every tetrahedron that comes keeps the bound
+ * `radius_edge` (0.62 to 1e6). Works on any triangulation: its Steiner points are the vertices added since it has a domain. Without a domain
+ * the convex hull becomes the domain first, and there are none. Input vertices keep their places and ids; segments and facets stay
+ * covered by edges and faces; nothing becomes bad. The Steiner points that remain get new ids without gaps, in their order.
+ *
+ * `level` is a WSP_SPARSIFY_ constant; WSP_SPARSIFY_DEFAULT stands for WSP_SPARSIFY_QUICK. wsp_refine with its option `sparsify` leaves
+ * fewer points than this call afterwards. WSP_UNREFINED tells that tetrahedra exceed the bound, as they did before.
+ * `control` and `report` may be NULL; `report` is written for all statuses of 0 and above, and left as it was after an error.
+ *
+ * Cost: some tens of microseconds a Steiner point.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_TOO_MANY, WSP_ERR_MEMORY, WSP_ERR_BUSY.
+ */
+wsp_status wsp_sparsify_mesh(struct wsp_triangulation *triangulation,
+                             double radius_edge,
+                             wsp_sparsify level,
+                             struct wsp_control *control,
+                             struct wsp_report *report);
 
 /**
  * The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but

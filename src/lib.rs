@@ -12,6 +12,7 @@
 //! | [`sampler`] | bad short edges and Steiner batches, pure functions of an edge and its link |
 //! | [`domain`] | piecewise linear complexes and their boundary rules |
 //! | [`refine`] | the refinement loop |
+//! | [`sparsify`] | Steiner points taken away again |
 //! | [`mesh`] | a triangulation with its domain: what most callers hold |
 
 #![warn(missing_docs)]
@@ -24,6 +25,7 @@ pub mod geometry;
 pub mod mesh;
 pub mod refine;
 pub mod sampler;
+pub mod sparsify;
 pub mod triangulation;
 
 pub use control::{Control, Progress};
@@ -34,6 +36,7 @@ pub use mesh::{Mesh, MeshView};
 pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
 pub use refine::{RefineOptions, RefineReport, RefineStatus};
 pub use sampler::Rule;
+pub use sparsify::Sparsify;
 pub use triangulation::{Location, Triangulation};
 
 /// Compiles and runs the README's Rust.

@@ -3,7 +3,7 @@
 use super::guard::{call, Failure};
 use super::sized::{self, Sized_};
 use super::status::*;
-use crate::{RefineOptions, Rule};
+use crate::{RefineOptions, Rule, Sparsify};
 
 /// How Steiner points are chosen: one of the WSP_RULE_ constants.
 pub type wsp_rule = u32;
@@ -14,6 +14,37 @@ pub const WSP_RULE_PAPER: u32 = 1;
 pub const WSP_RULE_CIRCUMCENTER: u32 = 2;
 /// As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result.
 pub const WSP_RULE_SPARSE: u32 = 3;
+
+/// How hard to try to do with fewer Steiner points: one of the WSP_SPARSIFY_ constants.
+pub type wsp_sparsify = u32;
+
+/// WSP_SPARSIFY_QUICK with WSP_RULE_SPARSE, WSP_SPARSIFY_OFF with the other rules.
+pub const WSP_SPARSIFY_DEFAULT: u32 = 0;
+/// No Steiner point is taken away again.
+pub const WSP_SPARSIFY_OFF: u32 = 1;
+/// Steiner points are taken away where that is found out at little cost.
+pub const WSP_SPARSIFY_QUICK: u32 = 2;
+/// More is tried: three to five times the time, for about a tenth fewer Steiner points.
+pub const WSP_SPARSIFY_THOROUGH: u32 = 3;
+
+pub(super) fn sparsify(value: wsp_sparsify) -> Result<Option<Sparsify>, Failure> {
+    match value {
+        WSP_SPARSIFY_DEFAULT => Ok(None),
+        WSP_SPARSIFY_OFF => Ok(Some(Sparsify::Off)),
+        WSP_SPARSIFY_QUICK => Ok(Some(Sparsify::Quick)),
+        WSP_SPARSIFY_THOROUGH => Ok(Some(Sparsify::Thorough)),
+        _ => Err(Failure::new(WSP_ERR_OPTION, format!("sparsify is {value}, expected a WSP_SPARSIFY_ constant"))),
+    }
+}
+
+pub(super) fn sparsify_number(level: Option<Sparsify>) -> wsp_sparsify {
+    match level {
+        None => WSP_SPARSIFY_DEFAULT,
+        Some(Sparsify::Off) => WSP_SPARSIFY_OFF,
+        Some(Sparsify::Quick) => WSP_SPARSIFY_QUICK,
+        Some(Sparsify::Thorough) => WSP_SPARSIFY_THOROUGH,
+    }
+}
 
 pub(super) fn rule(value: wsp_rule) -> Result<Rule, Failure> {
     match value {
@@ -103,6 +134,10 @@ pub struct wsp_refine_options {
     pub min_edge: f64,
     /// No vertex is added beyond this many, input included. Default: 100 million.
     pub max_vertices: usize,
+    /// How hard to try to do with fewer Steiner points, one of the WSP_SPARSIFY_ constants. Default: WSP_SPARSIFY_DEFAULT.
+    pub sparsify: wsp_sparsify,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
@@ -111,8 +146,16 @@ unsafe impl Sized_ for wsp_refine_options {
     const SIZES: &'static [usize] = &[size_of::<Self>()];
 
     fn defaults() -> Self {
-        let RefineOptions { radius_edge, rule, max_vertices, min_edge } = RefineOptions::default();
-        wsp_refine_options { struct_size: 0, rule: rule_number(rule), radius_edge, min_edge, max_vertices }
+        let RefineOptions { radius_edge, rule, max_vertices, min_edge, sparsify } = RefineOptions::default();
+        wsp_refine_options {
+            struct_size: 0,
+            rule: rule_number(rule),
+            radius_edge,
+            min_edge,
+            max_vertices,
+            sparsify: sparsify_number(sparsify),
+            reserved: 0,
+        }
     }
 }
 

@@ -73,7 +73,7 @@ impl Encroached {
 pub struct Boundary {
     /// [`ON_SEGMENT`] and others, by vertex; vertices beyond its end are free.
     pub(super) kinds: Vec<u8>,
-    carriers: Vec<Carrier>,
+    pub(super) carriers: Vec<Carrier>,
     pub(super) segments: Vec<Segment>,
     pub(super) facets: Vec<FacetTriangulation>,
     /// The segment of each subsegment.
@@ -86,6 +86,8 @@ pub struct Boundary {
     /// Elements that can't be split any more.
     pub(crate) blocked_segments: FxHashSet<[u32; 2]>,
     pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
+    /// Vertices have been taken away: some element may be encroached that nothing has queued.
+    pub(crate) relaxed: bool,
 }
 
 impl Boundary {
@@ -94,7 +96,7 @@ impl Boundary {
     }
 
     /// The input element that a vertex lies on.
-    pub(super) fn carrier(&self, v: u32) -> Carrier {
+    pub(crate) fn carrier(&self, v: u32) -> Carrier {
         self.carriers.get(v as usize).copied().unwrap_or_default()
     }
 
@@ -176,6 +178,16 @@ impl Boundary {
     pub fn is_subfacet(&self, face: [u32; 3]) -> bool {
         let on_facet = |v: u32| v != GHOST && self.kind(v) & ON_FACET != 0;
         face.into_iter().all(on_facet) && self.subfacets.contains_key(&face_key(face))
+    }
+
+    /// The facet of a face that is a subfacet.
+    #[inline]
+    pub(crate) fn wall(&self, face: [u32; 3]) -> Option<u32> {
+        let on_facet = |v: u32| v != GHOST && self.kind(v) & ON_FACET != 0;
+        if !face.into_iter().all(on_facet) {
+            return None;
+        }
+        self.subfacets.get(&face_key(face)).copied()
     }
 
     /// The subsegments and subfacets around a cavity that its point `p` encroaches upon. `found` is filled, in a fixed order.

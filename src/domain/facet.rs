@@ -25,6 +25,8 @@ pub struct FacetTriangulation {
     pub corners: Vec<u32>,
     /// The coordinate that is dropped.
     axis: usize,
+    /// A unit normal, rounded.
+    plane_normal: DVec3,
     /// Above the facet, for circle tests.
     above: DVec3,
     filter: Filter,
@@ -92,10 +94,20 @@ impl FacetTriangulation {
         let mut above = corners().next().unwrap_or_default();
         above[axis] = high[axis] + 2.0 * (high - low).max_element().max(crate::geometry::MIN_LENGTH);
         filter.extend(above);
+        let level = (0..3).find(|&axis| low[axis] == high[axis]);
+        let plane_normal = level.map_or(normal.normalize_or_zero(), |axis| DVec3::AXES[axis]);
         let mut unique: Vec<u32> = triangles.iter().flatten().copied().collect();
         unique.sort_unstable();
         unique.dedup();
-        let mut facet = FacetTriangulation { marker, corners: unique, axis, above, filter, apex: FxHashMap::default() };
+        let mut facet = FacetTriangulation {
+            marker,
+            corners: unique,
+            axis,
+            plane_normal,
+            above,
+            filter,
+            apex: FxHashMap::default(),
+        };
         for &[a, b, c] in triangles {
             let at = |v: u32| points[v as usize];
             let positive = orient2d(axis, at(a), at(b), at(c)) != Sign::Negative;
@@ -128,6 +140,19 @@ impl FacetTriangulation {
     /// The triangle with these vertices, counterclockwise.
     pub fn triangle(&self, [a, b, c]: [u32; 3]) -> Option<[u32; 3]> {
         [[a, b, c], [b, a, c]].into_iter().find(|&[a, b, c]| self.apex.get(&[a, b]) == Some(&c))
+    }
+
+    /// Whether a triangle is seen counterclockwise in this order of its vertices; `None` when it is none of the facet's.
+    pub fn is_forward(&self, [a, b, c]: [u32; 3]) -> Option<bool> {
+        if self.apex.get(&[a, b]) == Some(&c) {
+            return Some(true);
+        }
+        (self.apex.get(&[b, a]) == Some(&c)).then_some(false)
+    }
+
+    /// A unit normal of the facet's plane, along an axis exactly where all points it started with agree in that coordinate.
+    pub fn normal(&self) -> DVec3 {
+        self.plane_normal
     }
 
     /// The triangles at an edge: one on the facet's border, two inside.
@@ -213,6 +238,112 @@ impl FacetTriangulation {
             self.add(t);
         }
         Some(FacetChange { removed, created })
+    }
+
+    /// What the triangulation would be without some of its vertices. `around` are vertices among which all their neighbours are, `joined` the
+    /// fixed edges that come in the place of two that meet in one of them. `None` where the rest can't be triangulated within the same
+    /// border and fixed edges.
+    pub fn without(
+        &self,
+        remove: &[u32],
+        around: &[u32],
+        joined: &[[u32; 2]],
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+    ) -> Option<FacetChange> {
+        let at = |v: u32| points[v as usize];
+        let goes = |v: &u32| remove.contains(v);
+        let mut removed: Vec<[u32; 3]> = Vec::new();
+        for &v in remove {
+            for &w in around {
+                let Some(&x) = self.apex.get(&[v, w]) else { continue };
+                let triangle = rotate_lowest([v, w, x]);
+                if !removed.contains(&triangle) {
+                    removed.push(triangle);
+                }
+            }
+        }
+        let inner: rustc_hash::FxHashSet<[u32; 2]> = removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
+        let mut open: Vec<[u32; 2]> = Vec::new();
+        for &triangle in &removed {
+            for ([a, b], _) in sides(triangle) {
+                if goes(&a) || goes(&b) {
+                    // A spoke must lead on, or lie on a segment.
+                    if !inner.contains(&[b, a]) && !fixed([a, b]) {
+                        return None;
+                    }
+                } else if !inner.contains(&[b, a]) {
+                    open.push([a, b]);
+                } else if fixed([a, b]) {
+                    return None;
+                }
+            }
+        }
+        // Where a joined edge closes an open chain, it does so from the side that the chain lies on.
+        for &[a, b] in joined {
+            for [a, b] in [[a, b], [b, a]] {
+                if inner.iter().any(|&[x, y]| x == a && goes(&y) && fixed([x, y])) && !goes(&b) {
+                    open.push([a, b]);
+                }
+            }
+        }
+        let mut vertices: Vec<u32> = open.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let limit = removed.len() + 2;
+        let mut created: Vec<[u32; 3]> = Vec::new();
+        while let Some([a, b]) = open.pop() {
+            let mut apex: Option<u32> = None;
+            for &x in &vertices {
+                if x == a || x == b || !self.counterclockwise(at(a), at(b), at(x)) {
+                    continue;
+                }
+                if apex.is_none_or(|c| self.in_circle(&self.filter, [a, b, c], at(x), points)) {
+                    apex = Some(x);
+                }
+            }
+            let c = apex?;
+            created.push([a, b, c]);
+            if created.len() > limit {
+                return None;
+            }
+            for [p, q] in [[b, c], [c, a]] {
+                match open.iter().position(|&edge| edge == [p, q]) {
+                    Some(place) => {
+                        open.swap_remove(place);
+                    }
+                    None => open.push([q, p]),
+                }
+            }
+        }
+        // Nothing that comes may stand across an edge from what stays.
+        let free = |&[a, b, c]: &[u32; 3]| {
+            sides([a, b, c]).into_iter().all(|(edge, _)| inner.contains(&edge) || !self.apex.contains_key(&edge))
+        };
+        created.iter().all(free).then_some(FacetChange { removed, created })
+    }
+
+    /// Puts triangles in the place of others.
+    pub fn exchange(&mut self, change: &FacetChange) {
+        for &triangle in &change.removed {
+            self.remove(triangle);
+        }
+        for &triangle in &change.created {
+            self.add(triangle);
+        }
+    }
+
+    /// Gives its vertices new ids.
+    pub fn renumber(&mut self, renamed: impl Fn(u32) -> u32) {
+        self.corners.iter_mut().for_each(|v| *v = renamed(*v));
+        self.apex = self.apex.drain().map(|(edge, apex)| (edge.map(&renamed), renamed(apex))).collect();
+    }
+
+    /// Whether a triangle's circumcircle holds a point of the facet.
+    pub fn holds(&self, triangle: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
+        let mut filter = self.filter.clone();
+        filter.extend(p);
+        self.in_circle(&filter, triangle, p, points)
     }
 
     /// Flips edges until every triangle's circle is free of its neighbours' apices, fixed edges excepted (C. L. Lawson, 1977).

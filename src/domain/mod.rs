@@ -7,6 +7,7 @@
 //! | `build` | from complex, or hull, to boundary |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
+//! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
@@ -22,5 +23,8 @@ pub(crate) mod label;
 pub mod plc;
 mod sector;
 mod split;
+mod unsplit;
 
+pub(crate) use acute::Carrier;
 pub use boundary::Boundary;
+pub(crate) use unsplit::Unsplit;

@@ -13,6 +13,7 @@ pub(crate) mod split;
 pub mod step;
 
 pub use crate::sampler::Rule;
+pub use crate::sparsify::Sparsify;
 use crate::Error;
 
 /// What [`Mesh::refine`](crate::Mesh::refine) shall reach, and when it shall stop.
@@ -27,11 +28,20 @@ pub struct RefineOptions {
     pub max_vertices: usize,
     /// No Steiner point is added nearer than this to a vertex; 0 chooses 2⁻⁴⁰ of the bounding box's diagonal.
     pub min_edge: f64,
+    /// How hard to try to do with fewer Steiner points; `None` stands for [`Sparsify::Quick`] with [`Rule::Sparse`], for [`Sparsify::Off`] with the
+    /// others.
+    pub sparsify: Option<Sparsify>,
 }
 
 impl Default for RefineOptions {
     fn default() -> Self {
-        RefineOptions { radius_edge: 2.0, rule: Rule::default(), max_vertices: 100_000_000, min_edge: 0.0 }
+        RefineOptions {
+            radius_edge: 2.0,
+            rule: Rule::default(),
+            max_vertices: 100_000_000,
+            min_edge: 0.0,
+            sparsify: None,
+        }
     }
 }
 
@@ -43,6 +53,11 @@ pub(crate) fn check_radius_edge(value: f64) -> Result<(), Error> {
 }
 
 impl RefineOptions {
+    /// [`sparsify`](Self::sparsify) with the default filled in.
+    pub fn sparsify(&self) -> Sparsify {
+        self.sparsify.unwrap_or(if self.rule == Rule::Sparse { Sparsify::Quick } else { Sparsify::Off })
+    }
+
     /// Whether each option has a value that it can have.
     pub fn check(&self) -> Result<(), Error> {
         check_radius_edge(self.radius_edge)?;
@@ -91,6 +106,10 @@ pub struct RefineReport {
     pub segment_splits: usize,
     /// Steiner points of this call that split subfacets.
     pub facet_splits: usize,
+    /// Steiner points that this call took away again without putting another in their place.
+    pub removed: usize,
+    /// Steiner points that this call put in the place of two each.
+    pub replaced: usize,
     /// Tetrahedra of the domain over the bound (exact).
     pub bad: usize,
     /// Those of them whose shortest edge spans an input angle of less than 60°: the input doesn't let them be mended.

@@ -13,7 +13,8 @@ use crate::domain::boundary::{Boundary, Encroached};
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
-use crate::sampler::{sample_circumcenter, sample_component, Rule, Samples};
+use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
+use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
@@ -36,7 +37,13 @@ pub struct Refiner<'a> {
     radius_edge: f64,
     rule: Rule,
     max_vertices: usize,
-    pub(super) min_edge: f64,
+    pub min_edge: f64,
+    /// Tries to do with fewer samples, if that is wanted.
+    pub sparsifier: Option<Sparsifier>,
+    /// The samples of the batch in hand, each with its distance from what was there.
+    inserted: Vec<(u32, f64)>,
+    clearance: f64,
+    created: Vec<u32>,
     pub(super) cavity: Cavity,
     pub(super) encroached: Encroached,
     queue: Queue,
@@ -67,6 +74,10 @@ impl<'a> Refiner<'a> {
             rule: options.rule,
             max_vertices: options.max_vertices,
             min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
+            sparsifier: None,
+            inserted: Vec::new(),
+            clearance: 0.0,
+            created: Vec::new(),
             cavity: Cavity::default(),
             encroached: Encroached::default(),
             queue: Queue::default(),
@@ -99,6 +110,9 @@ impl<'a> Refiner<'a> {
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
         self.boundary.unblock(self.t);
+        if std::mem::take(&mut self.boundary.relaxed) {
+            self.boundary.enqueue_all(self.t);
+        }
         let all: Vec<u32> = self.t.topology.finite().collect();
         for t in all {
             self.watch(t);
@@ -151,21 +165,23 @@ impl<'a> Refiner<'a> {
     /// One step for a bad tetrahedron: samples its shortest edge.
     fn mend(&mut self, tet: u32) -> Result<(), Error> {
         let v = self.t.topology.tet(tet).v;
-        let ([i, j], _) = shortest_edge(self.t, tet);
+        let ([i, j], length2) = shortest_edge(self.t, tet);
         if self.boundary.is_seditious(self.t, [v[i], v[j]]) {
             self.refused = true;
             return Ok(());
         }
         let samples = self.sample(tet, [i, j]);
         let mut placed_any = false;
+        self.inserted.clear();
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
                 break;
             }
             match self.place(p, tet)? {
-                Placed::Inserted(_) => {
+                Placed::Inserted(new) => {
                     self.samples += 1;
                     placed_any = true;
+                    self.inserted.push((new, self.clearance));
                 }
                 Placed::Encroaches => {
                     placed_any = true;
@@ -174,11 +190,28 @@ impl<'a> Refiner<'a> {
                 Placed::Refused => {}
             }
         }
+        self.sparsify(length2.sqrt())?;
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
                 self.queue.push(self.t, tet);
             } else {
                 self.refused = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries to do with fewer than the samples just inserted, for an edge of that length.
+    fn sparsify(&mut self, edge: f64) -> Result<(), Error> {
+        let Some(sparsifier) = &mut self.sparsifier else { return Ok(()) };
+        self.created.clear();
+        for &(v, clearance) in &self.inserted {
+            sparsifier.at_sample(self.t, self.boundary, v, clearance, edge, &mut self.created)?;
+        }
+        for i in 0..self.created.len() {
+            let t = self.created[i];
+            if self.t.topology.tet(t).is_live() {
+                self.watch(t);
             }
         }
         Ok(())
@@ -192,7 +225,12 @@ impl<'a> Refiner<'a> {
             let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));
             let t = &*self.t;
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
-            if let Some(samples) = sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule) {
+            let samples = if self.rule == Rule::Sparse && self.sparsifier.is_some() {
+                sample_wide_component(&self.facet, &mut self.arcs, self.radius_edge)
+            } else {
+                sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule)
+            };
+            if let Some(samples) = samples {
                 return samples;
             }
         }
@@ -222,7 +260,8 @@ impl<'a> Refiner<'a> {
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
-        if leaves || self.rim_distance(p) < self.min_edge {
+        self.clearance = self.rim_distance(p);
+        if leaves || self.clearance < self.min_edge {
             self.cavity.clear();
             return Ok(Placed::Refused);
         }

@@ -119,12 +119,23 @@ pub fn sample_edge(p: DVec3, q: DVec3, link: &[DVec3], closed: bool, radius_edge
     Some(sample_circumcenter(worst))
 }
 
+/// The arc of the component of the largest span; the first among equals, whatever rounding makes of their spans' last digits elsewhere.
+fn largest_arc(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> Option<Arc> {
+    facet.rim_arcs(facet.core_radius(radius_edge), arcs);
+    arcs.iter().copied().reduce(|a, b| if b.span > a.span { b } else { a })
+}
+
+/// [`sample_component`] of [`Rule::Sparse`] with the wider pieces for samples that will be tried at once with their neighbours.
+pub(crate) fn sample_wide_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> Option<Samples> {
+    let arc = largest_arc(facet, arcs, radius_edge)?;
+    Some(sparse::sample_wide_arc(facet, arc, radius_edge))
+        .filter(|samples| samples.points.iter().all(|s| s.is_finite()))
+}
+
 /// The batch for the component of the largest span; `None` when no arc of the rim lies in the facet, or the rule has no batches.
 /// `arcs` is scratch memory.
 pub fn sample_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64, rule: Rule) -> Option<Samples> {
-    facet.rim_arcs(facet.core_radius(radius_edge), arcs);
-    // The first among equals, whatever rounding makes of their spans' last digits elsewhere.
-    let arc = arcs.iter().copied().reduce(|a, b| if b.span > a.span { b } else { a })?;
+    let arc = largest_arc(facet, arcs, radius_edge)?;
     let samples = match rule {
         Rule::Sparse => sparse::sample_arc(facet, arc, radius_edge),
         Rule::Paper => paper::sample_arc(facet, arc, radius_edge),

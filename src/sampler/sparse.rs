@@ -13,6 +13,11 @@
 //! vertex for all β ≥ 1 (1.14 for β = 1, 1.95 for β = 2, or β itself where the facet ends before), and the samples of a batch are at least
 //! β apart. New edges are longer than the edge they mend, so refinement ends by the same packing argument.
 
+//!
+//! Where [`sparsify`](crate::sparsify) puts one sample in the place of two right away, still wider pieces are better: the places are chosen anew
+//! there, with more knowledge of what is around, so that a batch of fewer samples is nearer to what remains. [`wide_count`] aims at 100° and
+//! narrows the pieces only where a sample would come nearer than `1.1·|pq|`, for small β.
+
 use super::facet::{Arc, VoronoiFacet};
 use super::paper::sample_pieces;
 use super::Samples;
@@ -27,6 +32,30 @@ pub const MAX_THETA: f64 = 1.5 * PIECE;
 /// How many samples an arc gets.
 pub fn sample_count(span: f64) -> usize {
     ((span / PIECE).round() as usize).max(1)
+}
+
+/// The angle of the pieces aimed at when samples are joined again afterwards.
+const WIDE_PIECE: f64 = 100.0 / 180.0 * std::f64::consts::PI;
+/// Their samples are at least this far from `p` and `q`, in lengths of the edge.
+const WIDE_DISTANCE: f64 = 1.1;
+
+/// How many samples an arc gets when samples are joined again afterwards.
+pub fn wide_count(span: f64, radius_edge: f64) -> usize {
+    let radius2 = radius_edge * radius_edge - 0.25;
+    // ψ(θ)², see the module.
+    let distance2 = |theta: f64| {
+        let cos = (0.5 * theta).cos().max(0.0);
+        let d = (cos * cos * radius2 + 0.25).sqrt() + cos * radius2.max(0.0).sqrt();
+        d * d + 0.25
+    };
+    let first = ((span / WIDE_PIECE).round() as usize).max(1);
+    let fine = sample_count(span).max(first);
+    (first..fine).find(|&count| distance2(span / count as f64) >= WIDE_DISTANCE * WIDE_DISTANCE).unwrap_or(fine)
+}
+
+/// The batch of [`wide_count`] samples for one arc.
+pub fn sample_wide_arc(facet: &VoronoiFacet, arc: Arc, radius_edge: f64) -> Samples {
+    sample_pieces(facet, arc, wide_count(arc.span, radius_edge), MIN_THETA, radius_edge)
 }
 
 /// The batch for one arc.

@@ -130,6 +130,11 @@ impl Hole {
         self.faces.clear();
     }
 
+    /// The point that would come.
+    pub fn point(&self) -> Option<DVec3> {
+        self.add
+    }
+
     fn take(&mut self, t: u32, v: [u32; 4]) {
         self.marks[t as usize] = 1;
         self.going.push(Going { t, v });

@@ -112,13 +112,32 @@ impl Triangulation {
     ///
     /// Cost: linear.
     pub fn compact(&mut self) -> Vec<u32> {
+        self.compact_from(0)
+    }
+
+    /// [`compact`](Self::compact) that leaves the ids below `first`, and the gaps among them, as they are.
+    pub(crate) fn compact_from(&mut self, first: u32) -> Vec<u32> {
         let mut new_id = vec![NONE; self.points.len()];
-        for (new, v) in self.vertices().enumerate() {
-            new_id[v as usize] = new as u32;
+        let mut next = 0;
+        let mut count = 0;
+        for (v, p) in self.points.iter().enumerate() {
+            if v < first as usize {
+                next = v as u32 + 1;
+                count += usize::from(p.is_nan());
+            }
+            if !p.is_nan() {
+                new_id[v] = if v < first as usize { v as u32 } else { next };
+                next = new_id[v] + 1;
+            }
         }
-        self.points.retain(|p| !p.is_nan());
+        let mut v = 0;
+        self.points.retain(|p| {
+            v += 1;
+            v <= first || !p.is_nan()
+        });
         self.points.shrink_to_fit();
-        self.gaps = Gaps::default();
+        self.gaps.free.retain(|&v| v < first);
+        self.gaps.count = count;
         self.last = self.topology.compact(&new_id, self.points.len(), self.last);
         if self.dimension() < 3 {
             self.rebuild_lower();

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use wellspaced::Rule;
+use wellspaced::{Rule, Sparsify};
 
 use crate::dataset::Dataset;
 use crate::read::InputFile;
@@ -55,6 +55,12 @@ pub struct Refine {
     /// How Steiner points are chosen
     #[arg(long, value_enum, default_value_t = RuleName::Sparse)]
     pub rule: RuleName,
+    /// How hard to try to do with fewer Steiner points; `quick` where no level is given, and by default with --rule sparse
+    #[arg(long, value_enum, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "quick", require_equals = true)]
+    pub sparsify: Option<SparsifyName>,
+    /// Take no Steiner point away again
+    #[arg(long, conflicts_with = "sparsify")]
+    pub no_sparsify: bool,
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
@@ -113,15 +119,83 @@ pub enum RuleName {
 }
 
 impl RuleName {
-    /// All rules of the table, the one that the others are compared with first.
-    pub const TABLE: [RuleName; 3] = [RuleName::Circumcenter, RuleName::Paper, RuleName::Sparse];
-
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             RuleName::Sparse => "sparse",
             RuleName::Paper => "paper",
             RuleName::Circumcenter => "circumcenter",
+        }
+    }
+}
+
+/// The levels of the pass that takes Steiner points away again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SparsifyName {
+    /// What is found at little cost
+    Quick,
+    /// Three to five times the time, about a tenth fewer
+    Thorough,
+}
+
+impl From<SparsifyName> for Sparsify {
+    fn from(name: SparsifyName) -> Sparsify {
+        match name {
+            SparsifyName::Quick => Sparsify::Quick,
+            SparsifyName::Thorough => Sparsify::Thorough,
+        }
+    }
+}
+
+impl Refine {
+    /// The level asked for, if one was.
+    pub fn level(&self) -> Option<Sparsify> {
+        if self.no_sparsify {
+            return Some(Sparsify::Off);
+        }
+        self.sparsify.map(Sparsify::from)
+    }
+}
+
+/// What the table compares: rules, and the sparse one with its pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Method {
+    Circumcenter,
+    Paper,
+    Sparse,
+    Quick,
+    Thorough,
+}
+
+impl Method {
+    /// All of them, the one that the others are compared with first.
+    pub const TABLE: [Method; 5] =
+        [Method::Circumcenter, Method::Paper, Method::Sparse, Method::Quick, Method::Thorough];
+
+    /// As the options that choose it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Circumcenter => "circumcenter",
+            Method::Paper => "paper",
+            Method::Sparse => "sparse, no pass",
+            Method::Quick => "sparse",
+            Method::Thorough => "sparse, thorough",
+        }
+    }
+
+    pub fn rule(self) -> Rule {
+        match self {
+            Method::Circumcenter => Rule::Circumcenter,
+            Method::Paper => Rule::Paper,
+            Method::Sparse | Method::Quick | Method::Thorough => Rule::Sparse,
+        }
+    }
+
+    pub fn sparsify(self) -> Sparsify {
+        match self {
+            Method::Circumcenter | Method::Paper | Method::Sparse => Sparsify::Off,
+            Method::Quick => Sparsify::Quick,
+            Method::Thorough => Sparsify::Thorough,
         }
     }
 }

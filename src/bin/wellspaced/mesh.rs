@@ -16,8 +16,12 @@ use crate::write::{write, OutputMesh};
 
 /// `wellspaced refine`.
 pub fn refine(arguments: &Refine) -> Result<(), Failure> {
-    let mut options =
-        RefineOptions { radius_edge: arguments.radius_edge, rule: arguments.rule.into(), ..RefineOptions::default() };
+    let mut options = RefineOptions {
+        radius_edge: arguments.radius_edge,
+        rule: arguments.rule.into(),
+        sparsify: arguments.level(),
+        ..RefineOptions::default()
+    };
     if let Some(limit) = arguments.max_vertices {
         options.max_vertices = limit;
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use wellspaced::RefineOptions;
 
-use crate::args::{RuleName, Table1};
+use crate::args::{Method, Table1};
 use crate::dataset::Dataset;
 use crate::failure::Failure;
 use crate::mesh::refined;
@@ -33,7 +33,7 @@ pub fn table1(arguments: &Table1) -> Result<(), Failure> {
         }
         let input = load(dataset, arguments)?;
         for radius_edge in paper::RADIUS_EDGES {
-            for rule in RuleName::TABLE {
+            for rule in Method::TABLE {
                 rows.push(run(dataset, &input, radius_edge, rule)?);
                 if let (true, Some(row)) = (lines, rows.last()) {
                     say(&print::text_row(row, &rows))?;
@@ -59,8 +59,9 @@ fn load(dataset: Dataset, arguments: &Table1) -> Result<Input, Failure> {
     }
 }
 
-fn run(dataset: Dataset, input: &Input, radius_edge: f64, rule: RuleName) -> Result<Row, Failure> {
-    let options = RefineOptions { radius_edge, rule: rule.into(), ..RefineOptions::default() };
+fn run(dataset: Dataset, input: &Input, radius_edge: f64, rule: Method) -> Result<Row, Failure> {
+    let options =
+        RefineOptions { radius_edge, rule: rule.rule(), sparsify: Some(rule.sparsify()), ..RefineOptions::default() };
     let bar = Bar::new(&format!("{} beta {radius_edge} {}", dataset.title(), rule.name()));
     let mut seconds = Seconds::default();
     let result = refined(&input.content, &options, &bar.control(), &mut seconds);

@@ -7,7 +7,7 @@ use serde_json::{json, Value};
 
 use super::paper::RADIUS_EDGES;
 use super::row::{mean_ratio, ratio, Ratio, Row};
-use crate::args::RuleName;
+use crate::args::Method;
 
 /// A number with commas between its thousands.
 fn grouped(number: usize) -> String {
@@ -25,7 +25,7 @@ fn grouped(number: usize) -> String {
 /// The lines above the text table.
 pub fn text_header() -> String {
     let titles = format!(
-        "{:<10} {:>6}  {:>4}  {:<12} {:>17} {:>19} {:>17} {:>5} {:>13} {:>8}\n",
+        "{:<10} {:>6}  {:>4}  {:<16} {:>17} {:>19} {:>17} {:>5} {:>13} {:>8}\n",
         "data set",
         "input",
         "beta",
@@ -48,7 +48,7 @@ pub fn text_row(row: &Row, rows: &[Row]) -> String {
     let misprint = |sic: bool| if sic { "?" } else { "" };
     let tetrahedra = printed.map(|p| format!("{}{}", grouped(p.tetrahedra), misprint(p.misprint)));
     let mut line = format!(
-        "{:<10} {:>6}  {:>4}  {:<12} {:>17} {:>19} {:>17} {:>5} {:>13} {:>8.3}",
+        "{:<10} {:>6}  {:>4}  {:<16} {:>17} {:>19} {:>17} {:>5} {:>13} {:>8.3}",
         row.dataset.title(),
         grouped(row.input_vertices),
         row.radius_edge,
@@ -77,9 +77,9 @@ fn text_ratio(Ratio { ours, printed }: Ratio) -> String {
 pub fn text_footer(rows: &[Row]) -> String {
     let mut text =
         String::from("\nGeometric mean of Steiner points over circumcenter's, (the paper's printed numbers):\n");
-    for rule in RuleName::TABLE {
+    for rule in Method::TABLE {
         let Some(all) = mean_ratio(rule, None, rows) else { continue };
-        let _ = write!(text, "{:<12} {}", rule.name(), text_ratio(all));
+        let _ = write!(text, "{:<16} {}", rule.name(), text_ratio(all));
         for bound in RADIUS_EDGES {
             if let Some(mean) = mean_ratio(rule, Some(bound), rows) {
                 let _ = write!(text, "   beta {bound}: {}", text_ratio(mean));
@@ -91,22 +91,22 @@ pub fn text_footer(rows: &[Row]) -> String {
 }
 
 /// Whether the paper has this rule.
-fn is_printed(rule: RuleName) -> bool {
+fn is_printed(rule: Method) -> bool {
     match rule {
-        RuleName::Circumcenter | RuleName::Paper => true,
-        RuleName::Sparse => false,
+        Method::Circumcenter | Method::Paper => true,
+        Method::Sparse | Method::Quick | Method::Thorough => false,
     }
 }
 
 /// The table in Markdown: one line a data set and bound, ours beside the paper's.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from("| data set (input vertices) | β |");
-    for rule in RuleName::TABLE {
+    for rule in Method::TABLE {
         let printed = if is_printed(rule) { " printed |" } else { "" };
         let _ = write!(text, " `{}` vertices |{printed} tetrahedra |{printed}", rule.name());
     }
     text.push_str(" bad |\n|---|---|");
-    for rule in RuleName::TABLE {
+    for rule in Method::TABLE {
         text.push_str(&"--:|".repeat(if is_printed(rule) { 4 } else { 2 }));
     }
     text.push_str("--:|\n");
@@ -140,7 +140,7 @@ pub fn markdown(rows: &[Row]) -> String {
     text.push_str(&"--:|".repeat(RADIUS_EDGES.len() + 1));
     text.push('\n');
     let bounds = || RADIUS_EDGES.into_iter().map(Some).chain([None]);
-    for rule in RuleName::TABLE {
+    for rule in Method::TABLE {
         let means: Vec<Option<Ratio>> = bounds().map(|bound| mean_ratio(rule, bound, rows)).collect();
         if means.iter().all(Option::is_none) {
             continue;
@@ -190,7 +190,7 @@ pub fn json(rows: &[Row]) -> Value {
         })
         .collect();
     let mut means = BTreeMap::new();
-    for rule in RuleName::TABLE {
+    for rule in Method::TABLE {
         let mut by_bound = BTreeMap::new();
         for bound in RADIUS_EDGES {
             if let Some(mean) = mean_ratio(rule, Some(bound), rows) {
@@ -213,12 +213,12 @@ mod tests {
 
     fn rows() -> Vec<Row> {
         vec![
-            row(Dataset::Helix, 8.0, RuleName::Circumcenter, 1_234_567),
-            row(Dataset::Helix, 8.0, RuleName::Paper, 500),
-            row(Dataset::Helix, 8.0, RuleName::Sparse, 400),
-            row(Dataset::Random, 1.5, RuleName::Circumcenter, 20),
-            row(Dataset::Random, 1.5, RuleName::Paper, 10),
-            row(Dataset::Random, 1.5, RuleName::Sparse, 5),
+            row(Dataset::Helix, 8.0, Method::Circumcenter, 1_234_567),
+            row(Dataset::Helix, 8.0, Method::Paper, 500),
+            row(Dataset::Helix, 8.0, Method::Sparse, 400),
+            row(Dataset::Random, 1.5, Method::Circumcenter, 20),
+            row(Dataset::Random, 1.5, Method::Paper, 10),
+            row(Dataset::Random, 1.5, Method::Sparse, 5),
         ]
     }
 
@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(line.trim_end().len(), header.lines().nth(1).unwrap().len());
         let stopped = Row { status: "vertex_limit", ..rows[3].clone() };
         assert!(text_row(&stopped, &rows).ends_with(" vertex_limit\n"));
-        assert!(text_footer(&rows).contains("paper        0.014 "), "{}", text_footer(&rows));
+        assert!(text_footer(&rows).contains("paper            0.014 "), "{}", text_footer(&rows));
     }
 
     #[test]

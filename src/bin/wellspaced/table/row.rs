@@ -4,7 +4,7 @@ use serde::Serialize;
 use wellspaced::RefineReport;
 
 use super::paper::{printed, Printed};
-use crate::args::RuleName;
+use crate::args::Method;
 use crate::dataset::Dataset;
 use crate::report::{status_name, Seconds};
 
@@ -13,7 +13,7 @@ use crate::report::{status_name, Seconds};
 pub struct Row {
     pub dataset: Dataset,
     pub radius_edge: f64,
-    pub rule: RuleName,
+    pub rule: Method,
     pub input_vertices: usize,
     pub vertices: usize,
     pub tetrahedra: usize,
@@ -25,7 +25,7 @@ pub struct Row {
 }
 
 impl Row {
-    pub fn new(dataset: Dataset, radius_edge: f64, rule: RuleName, report: &RefineReport, seconds: &Seconds) -> Self {
+    pub fn new(dataset: Dataset, radius_edge: f64, rule: Method, report: &RefineReport, seconds: &Seconds) -> Self {
         Row {
             dataset,
             radius_edge,
@@ -59,8 +59,8 @@ pub fn ratio(row: &Row, rows: &[Row]) -> Option<Ratio> {
     let same = |other: &&Row| {
         other.dataset == row.dataset
             && other.radius_edge == row.radius_edge
-            && other.rule == RuleName::Circumcenter
-            && row.rule != RuleName::Circumcenter
+            && other.rule == Method::Circumcenter
+            && row.rule != Method::Circumcenter
     };
     let base = rows.iter().find(same)?;
     let divide = |steiner: usize, base: usize| steiner as f64 / base as f64;
@@ -69,7 +69,7 @@ pub fn ratio(row: &Row, rows: &[Row]) -> Option<Ratio> {
 }
 
 /// The geometric means of a rule's ratios, over one bound or over all.
-pub fn mean_ratio(rule: RuleName, radius_edge: Option<f64>, rows: &[Row]) -> Option<Ratio> {
+pub fn mean_ratio(rule: Method, radius_edge: Option<f64>, rows: &[Row]) -> Option<Ratio> {
     let wanted = |row: &&Row| row.rule == rule && radius_edge.is_none_or(|bound| bound == row.radius_edge);
     let ratios: Vec<Ratio> = rows.iter().filter(wanted).filter_map(|row| ratio(row, rows)).collect();
     if ratios.is_empty() {
@@ -89,7 +89,7 @@ pub mod tests {
     use super::*;
 
     /// A row of made-up numbers.
-    pub fn row(dataset: Dataset, radius_edge: f64, rule: RuleName, steiner: usize) -> Row {
+    pub fn row(dataset: Dataset, radius_edge: f64, rule: Method, steiner: usize) -> Row {
         Row {
             dataset,
             radius_edge,
@@ -107,20 +107,20 @@ pub mod tests {
     #[test]
     fn ratios_compare_within_a_data_set_and_bound() {
         let rows = [
-            row(Dataset::Cube1, 2.0, RuleName::Circumcenter, 200),
-            row(Dataset::Cube1, 2.0, RuleName::Paper, 100),
-            row(Dataset::Cube1, 4.0, RuleName::Circumcenter, 80),
-            row(Dataset::Cube1, 4.0, RuleName::Paper, 10),
-            row(Dataset::Helix, 2.0, RuleName::Paper, 10),
+            row(Dataset::Cube1, 2.0, Method::Circumcenter, 200),
+            row(Dataset::Cube1, 2.0, Method::Paper, 100),
+            row(Dataset::Cube1, 4.0, Method::Circumcenter, 80),
+            row(Dataset::Cube1, 4.0, Method::Paper, 10),
+            row(Dataset::Helix, 2.0, Method::Paper, 10),
         ];
         assert_eq!(ratio(&rows[0], &rows), None);
         assert_eq!(ratio(&rows[4], &rows), None);
         let printed = (220.0 - 12.0) / (265.0 - 12.0);
         assert_eq!(ratio(&rows[1], &rows), Some(Ratio { ours: 0.5, printed: Some(printed) }));
-        let all = mean_ratio(RuleName::Paper, None, &rows).unwrap();
+        let all = mean_ratio(Method::Paper, None, &rows).unwrap();
         assert!((all.ours - 0.25).abs() < 1e-15, "{all:?}");
-        let at_four = mean_ratio(RuleName::Paper, Some(4.0), &rows).unwrap();
+        let at_four = mean_ratio(Method::Paper, Some(4.0), &rows).unwrap();
         assert!((at_four.ours - 0.125).abs() < 1e-15, "{at_four:?}");
-        assert_eq!(mean_ratio(RuleName::Circumcenter, None, &rows), None);
+        assert_eq!(mean_ratio(Method::Circumcenter, None, &rows), None);
     }
 }

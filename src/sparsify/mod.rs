@@ -1,0 +1,219 @@
+//! Fewer Steiner points: takes one away, or puts one in the place of two neighbours, wherever all tetrahedra that come keep the bound.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `forecast` | what a replacement would create, foreseen in floating point |
+//! | `search` | which vertices to replace, and the place of the one that comes |
+//! | `change` | the replacement looked at exactly, then made or dropped |
+//!
+//! It works twice. *While refining*, each new sample is tried at once with its neighbours. Tetrahedra whose shortest edge is longer than
+//! the one being mended may still be bad then: the refinement comes to them later, with fewer vertices in its way. This is worth far more
+//! than the same work on the finished mesh, where everything around a vertex has been fitted to it. *Afterwards*, or on any mesh, a queue of
+//! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
+//! bad may come at all.
+//!
+//! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most [`LEAD`] times the edge `l` being
+//! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
+//! made new, each step takes something off those there are, and `l` grows past any length. Where splits of the boundary, or β < 1, make edges
+//! shorter than `l` again, the number of changes is bounded by that of vertices ([`CHANGES`]); after that it is a plain refinement.
+
+pub(crate) mod change;
+pub(crate) mod forecast;
+pub(crate) mod search;
+
+use std::collections::VecDeque;
+
+use crate::domain::Boundary;
+use crate::triangulation::remove::Hole;
+use crate::triangulation::topology::GHOST;
+use crate::triangulation::Triangulation;
+use crate::{Control, Error};
+use forecast::{Demand, Forecast};
+
+/// How hard to try to do with fewer Steiner points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Sparsify {
+    /// Nothing is taken away again.
+    Off,
+    /// What is found at little cost: most of what can be had, in about the time that the refinement itself takes.
+    #[default]
+    Quick,
+    /// Less likely pairs, more places for each, and a last pass over all Steiner points: three to five times the time, for about a tenth fewer.
+    Thorough,
+}
+
+/// What the levels of [`Sparsify`] mean. The limits were found by looking at what of all that was tried came to something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Effort {
+    /// Neighbours that are tried, the nearest.
+    pub neighbours: usize,
+    /// Obstacles of `v` alone that may be left when a neighbour goes with it.
+    pub remaining: usize,
+    /// Obstacles of a pair.
+    pub obstacles: usize,
+    /// A place is worth a search when no tetrahedron there has (R/βl)² above this.
+    pub cap: f64,
+    /// Places that are tried.
+    pub places: usize,
+    /// Whether the last pass begins with all Steiner points, not only with those on the boundary.
+    pub all: bool,
+}
+
+impl Effort {
+    fn of(level: Sparsify) -> Effort {
+        match level {
+            Sparsify::Off | Sparsify::Quick => {
+                Effort { neighbours: 3, remaining: 0, obstacles: 8, cap: 2.5, places: 14, all: false }
+            }
+            Sparsify::Thorough => {
+                Effort { neighbours: 8, remaining: 3, obstacles: 20, cap: 5.0, places: 32, all: true }
+            }
+        }
+    }
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Effort::of(Sparsify::default())
+    }
+}
+
+/// Tetrahedra with shortest edges of this times the edge being mended may be left bad for later.
+const LEAD: f64 = 1.01;
+/// While refining at most this many changes are made for each vertex that there ever was at a time. One or two is usual.
+const CHANGES: usize = 8;
+/// How often the vertex of one change may go into the next at once.
+const CASCADE: usize = 3;
+
+/// The pass and its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Sparsifier {
+    effort: Effort,
+    radius_edge: f64,
+    min_edge: f64,
+    /// Vertices below are the caller's.
+    first: u32,
+    alone: Forecast,
+    pair: Forecast,
+    pub hole: Hole,
+    /// The vertex that the last replacement added.
+    newest: u32,
+    near: Vec<(f64, u32)>,
+    /// Vertices taken away and not replaced.
+    pub removed: usize,
+    /// Vertices that came in the place of two.
+    pub replaced: usize,
+}
+
+impl Sparsifier {
+    /// For Steiner points from id `first` on.
+    pub fn new(level: Sparsify, radius_edge: f64, min_edge: f64, first: u32) -> Sparsifier {
+        Sparsifier { effort: Effort::of(level), radius_edge, min_edge, first, ..Sparsifier::default() }
+    }
+
+    /// Lets the last pass begin with all Steiner points.
+    pub fn begin_with_all(&mut self) {
+        self.effort.all = true;
+    }
+
+    fn is_steiner(&self, t: &Triangulation, v: u32) -> bool {
+        v != GHOST && v >= self.first && t.is_vertex(v)
+    }
+
+    fn demand(&self, level: f64) -> Demand {
+        Demand { bound2: self.radius_edge * self.radius_edge, level2: level * level }
+    }
+
+    /// Tries to do with fewer vertices around the new sample `v`, which is `clearance` away from all others, while an edge of length `edge` is
+    /// being mended. `look` sees each
+    /// tetrahedron that is new.
+    pub fn at_sample(
+        &mut self,
+        t: &mut Triangulation,
+        boundary: &mut Boundary,
+        v: u32,
+        clearance: f64,
+        edge: f64,
+        created: &mut Vec<u32>,
+    ) -> Result<(), Error> {
+        let budget = CHANGES * t.vertex_slots();
+        if clearance <= LEAD * edge || self.removed + self.replaced >= budget {
+            return Ok(());
+        }
+        let mut next = Some(v);
+        for _ in 0..=CASCADE {
+            let Some(v) = next.take() else { break };
+            let Some(found) = self.search(t, boundary, v, self.demand(LEAD * edge)) else { break };
+            if self.make(t, boundary, &found, self.demand(LEAD * edge))? {
+                created.extend_from_slice(&self.hole.created);
+                next = found.add.map(|_| self.newest);
+            }
+        }
+        Ok(())
+    }
+
+    /// The pass over all Steiner points. False when the control cancelled it; the mesh is valid then too.
+    pub fn run(&mut self, t: &mut Triangulation, boundary: &mut Boundary, control: &Control) -> Result<bool, Error> {
+        let mut queue = Queue::default();
+        for v in self.first..t.vertex_slots() as u32 {
+            if self.is_steiner(t, v) && (self.effort.all || boundary.kind(v) != 0) {
+                queue.push(v);
+            }
+        }
+        boundary.relaxed = true;
+        let all = queue.waiting.len().max(1);
+        let demand = self.demand(f64::INFINITY);
+        let (mut turns, mut fraction) = (0usize, 0.0f64);
+        while let Some(v) = queue.pop() {
+            fraction = fraction.max(1.0 - queue.waiting.len() as f64 / all as f64);
+            let go_on =
+                if turns % 64 == 0 { control.report("sparsify", fraction, t.vertex_count()) } else { control.poll() };
+            if !go_on {
+                return Ok(false);
+            }
+            turns += 1;
+            if !self.is_steiner(t, v) {
+                continue;
+            }
+            let Some(found) = self.search(t, boundary, v, demand) else { continue };
+            if self.make(t, boundary, &found, demand)? {
+                for &tet in &self.hole.created {
+                    for w in t.topology.tet(tet).v {
+                        if self.is_steiner(t, w) {
+                            queue.push(w);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Vertices to be tried, each once at a time, first come first served.
+#[derive(Debug, Default)]
+struct Queue {
+    waiting: VecDeque<u32>,
+    is_waiting: Vec<bool>,
+}
+
+impl Queue {
+    fn push(&mut self, v: u32) {
+        if self.is_waiting.len() <= v as usize {
+            self.is_waiting.resize(v as usize + 1, false);
+        }
+        if !std::mem::replace(&mut self.is_waiting[v as usize], true) {
+            self.waiting.push_back(v);
+        }
+    }
+
+    fn pop(&mut self) -> Option<u32> {
+        let v = self.waiting.pop_front()?;
+        self.is_waiting[v as usize] = false;
+        Some(v)
+    }
+}
+
+#[cfg(test)]
+mod tests;

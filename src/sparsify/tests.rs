@@ -1,0 +1,253 @@
+use std::collections::BTreeSet;
+
+use super::forecast::{Demand, Forecast, Outcome};
+use crate::domain::Unsplit;
+use crate::refine::{RefineOptions, RefineStatus};
+use crate::triangulation::remove::{Hole, Replacement};
+use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, Rule, Sparsify, Triangulation};
+
+/// A value-stable source of numbers in [0, 1).
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+fn random_points(count: usize, seed: u64) -> Vec<DVec3> {
+    let mut next = numbers(seed);
+    (0..count).map(|_| DVec3::new(next(), next(), next()) * 2.0 - 1.0).collect()
+}
+
+fn random_box(count: usize, seed: u64) -> Plc {
+    Plc::boxed(DVec3::splat(-1.5), DVec3::splat(1.5), random_points(count, seed))
+}
+
+/// A box in a slanted position with a facet and a segment inside.
+fn slanted_box(count: usize, seed: u64) -> Plc {
+    let mut plc = random_box(count, seed);
+    let first = plc.points.len() as u32;
+    plc.points.extend([[-1.2, -1.2, 0.3], [1.2, -1.2, 0.3], [1.2, 1.2, 0.3], [-1.2, 1.2, 0.3]].map(DVec3::from));
+    plc.points.extend([[0.2, 0.1, -1.4], [0.25, -0.1, -0.2]].map(DVec3::from));
+    plc.facets.push(PlcFacet { polygons: vec![(first..first + 4).collect()], ..PlcFacet::default() });
+    plc.segments.push(PlcSegment { ends: [first + 4, first + 5], marker: 9 });
+    let turn = glam::DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    for p in &mut plc.points {
+        *p = turn * *p;
+    }
+    plc
+}
+
+fn volume(mesh: &Mesh) -> f64 {
+    let view = mesh.view();
+    let six = |t: &[u32; 4]| {
+        let [a, b, c, d] = t.map(|v| view.points[v as usize]);
+        (b - a).cross(c - a).dot(d - a)
+    };
+    view.tetrahedra.iter().map(six).sum::<f64>() / 6.0
+}
+
+fn check(mesh: &Mesh, plc: &Plc, beta: f64) {
+    mesh.validate(3).unwrap();
+    mesh.validate_quality(beta).unwrap();
+    assert!((volume(mesh) / 27.0 - 1.0).abs() < 1e-9, "{}", volume(mesh));
+    assert_eq!(&mesh.view().points[..plc.points.len()], &plc.points[..], "an input vertex has moved");
+    assert!(mesh.view().points.iter().all(|p| p.is_finite()), "a gap is left");
+    // Each subfacet's vertices lie on its facet, and together they cover it.
+    let boundary = mesh.boundary().unwrap();
+    let area = |face: [u32; 3]| {
+        let [a, b, c] = face.map(|v| mesh.view().points[v as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    let mut areas = vec![0.0; plc.facets.len()];
+    for (face, facet) in boundary.subfacets() {
+        areas[facet as usize] += area(face);
+    }
+    let expected = (0..plc.facets.len()).map(|i| if i < 6 { 9.0 } else { 5.76 });
+    assert!(areas.iter().zip(expected).all(|(a, e)| (a / e - 1.0).abs() < 1e-9), "{areas:?}");
+    let mut lengths = vec![0.0; boundary.segments().len()];
+    for (edge, segment) in boundary.subsegments() {
+        let [a, b] = edge.map(|v| mesh.view().points[v as usize]);
+        lengths[segment as usize] += a.distance(b);
+    }
+    for (segment, length) in boundary.segments().iter().zip(lengths) {
+        let [a, b] = segment.ends.map(|v| mesh.view().points[v as usize]);
+        assert!((length / a.distance(b) - 1.0).abs() < 1e-9);
+    }
+}
+
+fn refined(plc: &Plc, options: &RefineOptions) -> (Mesh, crate::RefineReport) {
+    let mut mesh = Mesh::from_plc(plc, &Control::new()).unwrap();
+    let report = mesh.refine(options, &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    (mesh, report)
+}
+
+#[test]
+fn meshes_come_out_sparser_and_as_good() {
+    for plc in [random_box(0, 1), random_box(150, 5), slanted_box(60, 8)] {
+        for beta in [1.2, 1.5, 2.0, 4.0] {
+            let counts = [Sparsify::Off, Sparsify::Quick, Sparsify::Thorough].map(|level| {
+                let options = RefineOptions { radius_edge: beta, sparsify: Some(level), ..RefineOptions::default() };
+                let (mesh, report) = refined(&plc, &options);
+                check(&mesh, &plc, beta);
+                assert_eq!(report.vertices, mesh.view().points.len());
+                report.steiner
+            });
+            let [off, quick, thorough] = counts;
+            assert!(off < 8 || quick < off && thorough < off, "{beta}: {counts:?}");
+        }
+    }
+}
+
+#[test]
+fn the_other_rules_can_have_the_pass_too() {
+    let plc = random_box(80, 2);
+    for rule in [Rule::Paper, Rule::Circumcenter] {
+        let with =
+            |sparsify| refined(&plc, &RefineOptions { radius_edge: 1.5, rule, sparsify, ..RefineOptions::default() });
+        let (mesh, report) = with(Some(Sparsify::Quick));
+        check(&mesh, &plc, 1.5);
+        assert_eq!((with(None).1.removed, with(None).1.replaced), (0, 0));
+        assert!(report.replaced > 0 && report.steiner < with(None).1.steiner);
+    }
+}
+
+#[test]
+fn by_itself_it_works_to_a_fixed_point() {
+    for plc in [random_box(100, 6), slanted_box(40, 3)] {
+        let options = RefineOptions { rule: Rule::Circumcenter, ..RefineOptions::default() };
+        let (mut mesh, before) = refined(&plc, &options);
+        let report = mesh.sparsify(2.0, Sparsify::Quick, &Control::new()).unwrap();
+        check(&mesh, &plc, 2.0);
+        assert_eq!(report.status, RefineStatus::Done);
+        assert_eq!(before.steiner - report.steiner, report.removed + report.replaced);
+        assert!(report.steiner * 10 < before.steiner * 9, "{} {}", report.steiner, before.steiner);
+        let points = mesh.view().points.to_vec();
+        let again = mesh.sparsify(2.0, Sparsify::Quick, &Control::new()).unwrap();
+        assert_eq!((again.removed, again.replaced), (0, 0));
+        assert_eq!(points, mesh.view().points);
+    }
+}
+
+#[test]
+fn refining_goes_on_after_it() {
+    let plc = slanted_box(60, 4);
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    for beta in [8.0, 2.0, 1.3] {
+        let options =
+            RefineOptions { radius_edge: beta, sparsify: Some(Sparsify::Thorough), ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+        check(&mesh, &plc, beta);
+    }
+}
+
+#[test]
+fn nothing_becomes_bad_where_something_is() {
+    let plc = random_box(60, 9);
+    let options = RefineOptions { radius_edge: 4.0, sparsify: Some(Sparsify::Off), ..RefineOptions::default() };
+    let (mut mesh, _) = refined(&plc, &options);
+    let before = mesh.report(1.2, RefineStatus::Done).bad;
+    let report = mesh.sparsify(1.2, Sparsify::Quick, &Control::new()).unwrap();
+    assert_eq!(report.status, RefineStatus::Unrefined);
+    assert!(before > 0 && report.bad <= before);
+    mesh.validate(3).unwrap();
+}
+
+#[test]
+fn cancelled_it_leaves_a_valid_mesh() {
+    let plc = random_box(150, 7);
+    let options = RefineOptions { radius_edge: 1.5, sparsify: Some(Sparsify::Thorough), ..RefineOptions::default() };
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    let control = Control::with_progress(|p| p.stage != "sparsify" || p.fraction < 0.3);
+    let report = mesh.refine(&options, &control).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Cancelled, 0));
+    check(&mesh, &plc, 1.5);
+}
+
+#[test]
+fn no_volume_and_no_steiner_points_are_ordinary_input() {
+    for points in [vec![], random_points(1, 1), random_points(3, 1), random_points(20, 1)] {
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        let report = mesh.sparsify(1e6, Sparsify::Thorough, &Control::new()).unwrap();
+        assert_eq!((report.vertices, report.removed, report.replaced), (points.len(), 0, 0));
+    }
+    assert!(Mesh::new().sparsify(0.5, Sparsify::Quick, &Control::new()).is_err());
+}
+
+#[test]
+fn a_forecast_is_what_the_preview_says() {
+    let mut t = Triangulation::new();
+    t.insert_many(&random_points(400, 3), &Control::new()).unwrap();
+    let boundary = crate::domain::Boundary::default();
+    let (mut forecast, mut hole) = (Forecast::default(), Hole::default());
+    let demand = Demand { bound2: 1e300, level2: f64::INFINITY };
+    let mut seen = 0;
+    for v in 0..400u32 {
+        let Some(&w) = t.topology.star(v).iter().flat_map(|&tet| &t.topology.tet(tet).v).find(|&&w| w != v) else {
+            continue;
+        };
+        for remove in [&[v][..], &[v, w]] {
+            let at_hull = |&v: &u32| t.topology.star(v).iter().any(|&tet| t.topology.tet(tet).is_ghost());
+            if remove.contains(&crate::triangulation::topology::GHOST) || remove.iter().any(at_hull) {
+                continue;
+            }
+            assert!(forecast.open(&t, remove));
+            if !forecast.fill(&t, &boundary, remove, &Unsplit::default(), demand, usize::MAX) {
+                // It reaches the hull, and nothing says that the domain ends there.
+                continue;
+            }
+            t.preview(&Replacement { remove, add: None }, &|_| false, &mut hole).unwrap();
+            let sorted = |mut v: [u32; 4]| {
+                v.sort_unstable();
+                v
+            };
+            let exact: BTreeSet<[u32; 4]> = hole.coming.iter().map(|coming| sorted(coming.v)).collect();
+            let foreseen = forecast.filling.iter().map(|tet| sorted(tet.v.map(|i| forecast.vertices[i as usize])));
+            assert_eq!(exact, foreseen.collect());
+            seen += 1;
+        }
+    }
+    assert!(seen > 300, "{seen}");
+}
+
+#[test]
+fn a_forecast_of_a_point_tells_the_worst_that_comes() {
+    let mut t = Triangulation::new();
+    t.insert_many(&random_points(400, 4), &Control::new()).unwrap();
+    let boundary = crate::domain::Boundary::default();
+    let (mut forecast, mut hole) = (Forecast::default(), Hole::default());
+    let demand = Demand { bound2: 1e-6, level2: f64::INFINITY };
+    let mut next = numbers(5);
+    let mut seen = 0;
+    for v in 0..400u32 {
+        if t.topology.star(v).iter().any(|&tet| t.topology.tet(tet).is_ghost()) {
+            continue;
+        }
+        let p = t.at(v) + 0.05 * (DVec3::new(next(), next(), next()) - 0.5);
+        if !forecast.open(&t, &[v])
+            || !forecast.fill(&t, &boundary, &[v], &Unsplit::default(), Demand { bound2: 1e300, ..demand }, usize::MAX)
+        {
+            continue;
+        }
+        forecast.aim(&t);
+        let outcome = forecast.try_point(&t, &boundary, p, &[], demand, f64::INFINITY);
+        t.preview(&Replacement { remove: &[v], add: Some(p) }, &|_| false, &mut hole).unwrap();
+        let added = |c: &&crate::triangulation::remove::Coming| c.v.contains(&crate::triangulation::remove::ADDED);
+        let worst = hole.coming.iter().filter(added).filter_map(|c| t.coming_corners(&hole, c)).map(|corners| {
+            let (radius2, shortest2) = crate::geometry::quality::radius_and_edge_squared(corners);
+            radius2 / (shortest2 * demand.bound2)
+        });
+        let worst = worst.fold(0.0, f64::max);
+        if outcome == Outcome::NO {
+            // It is beside itself where the hull or a sliver is: then nothing is done there.
+            continue;
+        }
+        assert!((outcome.worst / worst - 1.0).abs() < 1e-6, "{} {worst}", outcome.worst);
+        seen += 1;
+    }
+    assert!(seen > 200, "{seen}");
+}
