@@ -12,6 +12,7 @@
 //! | [`sampler`] | bad short edges and Steiner batches, pure functions of an edge and its link |
 //! | [`domain`] | piecewise linear complexes and their boundary rules |
 //! | [`refine`] | the refinement loop |
+//! | [`host`] | the same, a round at a time, on the arrays of another mesher |
 //! | [`mesh`] | a triangulation with its domain: what most callers hold |
 
 #![warn(missing_docs)]
@@ -21,6 +22,7 @@ mod control;
 pub mod domain;
 mod error;
 pub mod geometry;
+pub mod host;
 pub mod mesh;
 pub mod refine;
 pub mod sampler;
