@@ -130,6 +130,14 @@ struct shortest {
     }
 };
 
+// Not finite for flat cells.
+inline vec circumcenter(const corners& p) {
+    const vec u = p[1] - p[0], v = p[2] - p[0], w = p[3] - p[0];
+    const vec vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);
+    const vec n = combine(1, combine(dot(u, u), vw, dot(v, v), wu), dot(w, w), uv);
+    return combine(1, p[0], 1 / (2 * dot(u, vw)), n);
+}
+
 // Whether the circumradius exceeds `bound` times the shortest edge. In floating point where that is safe (the
 // reasons for the margins are in src/geometry/quality.rs, doubled here for other rounding modes), else exactly, by the library.
 inline bool is_bad(const corners& p, double bound) {
@@ -524,9 +532,15 @@ private:
             ++report_.refused;
             return;
         }
-        const auto wall = [&](cell at, int slot) { return !boundary_.contains(at->neighbor(slot)) || boundary_.is_wall(at, slot); };
-        const bool closed = link_of<Dt>(c, edge.i, edge.j, wall, link_);
-        sample(p[edge.i], p[edge.j], link_, closed, sampler_, points_);
+        if (options_.rule == WSP_RULE_CIRCUMCENTER) {
+            points_.assign(1, circumcenter(p));
+        } else {
+            const auto wall = [&](cell at, int slot) {
+                return !boundary_.contains(at->neighbor(slot)) || boundary_.is_wall(at, slot);
+            };
+            const bool closed = link_of<Dt>(c, edge.i, edge.j, wall, link_);
+            sample(p[edge.i], p[edge.j], link_, closed, sampler_, points_);
+        }
         bool any = false;
         cell near = c;
         for (vec& s : points_) {
