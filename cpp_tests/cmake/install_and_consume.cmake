@@ -166,10 +166,11 @@ if(ROUTE STREQUAL deb)
 endif()
 
 if(ROUTE STREQUAL cargo-c)
-  # cargo-c is no Debian package that reads today's manifests: where cargo has no such command, this is skipped.
-  execute_process(COMMAND ${CARGO} cinstall --version RESULT_VARIABLE absent OUTPUT_QUIET ERROR_QUIET)
-  if(absent)
-    message(STATUS "SKIPPED: cargo cinstall is not installed (cargo install cargo-c)")
+  # Debian's cargo-c (0.9) can't read today's manifests, and another has to be compiled: without one this is skipped.
+  execute_process(COMMAND ${CARGO} cinstall --version OUTPUT_VARIABLE version ERROR_QUIET)
+  string(REGEX MATCH "cargo-c ([0-9]+\\.[0-9]+)" version "${version}")
+  if(NOT version OR CMAKE_MATCH_1 VERSION_LESS 0.10)
+    message(STATUS "SKIPPED: cargo cinstall of cargo-c 0.10 or later is not here (cargo install cargo-c)")
     return()
   endif()
   run(${CMAKE_COMMAND} -E chdir ${SOURCE} ${CARGO} cinstall --release --locked --target-dir ${CARGO_TARGET_DIR}/capi
