@@ -36,7 +36,9 @@
  * -------------
  * - One call: wsp_triangulation_from_plc or wsp_triangulation_insert, then wsp_refine.
  * - Step by step: wsp_bad_short_edges, wsp_steiner_batch of one, wsp_triangulation_insert_batch, until there are none.
- * - Your own triangulation: wsp_is_bad_edge and wsp_sample_edge need only an edge and the vertices around it.
+ * - Your own triangulation: wsp_is_bad_edge and wsp_sample_edge need only an edge and the vertices around it,
+ *   wsp_sample_mesh takes arrays of points and tetrahedra and answers with points that may all be inserted at once;
+ *   wellspaced/cgal.hpp does it for CGAL.
  *
  * Conventions
  * -----------
@@ -179,7 +181,7 @@
 #define WSP_ERR_STALE -15
 
 /**
- * `wsp_triangulation_validate` has found the triangulation wanting; the text says where.
+ * `wsp_triangulation_validate` has found the triangulation wanting, or a host's arrays are no Delaunay mesh; the text says where.
  */
 #define WSP_ERR_NOT_VALID -16
 
@@ -316,6 +318,11 @@ typedef struct wsp_batch wsp_batch;
  * from any thread at any time.
  */
 typedef struct wsp_control wsp_control;
+
+/**
+ * The Steiner points of one round on a host's arrays. It never changes, so any thread may read it at any time.
+ */
+typedef struct wsp_mesh_batch wsp_mesh_batch;
 
 /**
  * A piecewise linear complex: points, segments, polygonal facets, seeds of holes and of regions.
@@ -504,6 +511,19 @@ typedef struct wsp_mesh_view {
      * The region of each tetrahedron: 1 + the position of the wsp_plc_add_region that labels it, 0 for none.
      */
     const uint32_t *regions;
+    /**
+     * For wsp_sample_mesh, three vertex ids a face: inner faces that bound a part of the domain, and any face of its boundary that
+     * is to have a number. wsp_triangulation_view gives none.
+     */
+    const uint32_t *faces;
+    /**
+     * The number of `faces`.
+     */
+    size_t faces_count;
+    /**
+     * The number of each face's facet, for all of `faces` or NULL.
+     */
+    const uint32_t *facets;
 } wsp_mesh_view;
 
 /**
@@ -591,6 +611,33 @@ typedef struct wsp_report {
      */
     size_t replaced;
 } wsp_report;
+
+/**
+ * A Steiner point of a round.
+ */
+typedef struct wsp_steiner_point {
+    /**
+     * Where it goes.
+     */
+    double xyz[3];
+    /**
+     * What it splits; the vertices are the host's.
+     */
+    struct wsp_origin origin;
+    /**
+     * The bad short edge whose mending asks for it; two WSP_NONE for splits of what a vertex of the mesh encroaches upon.
+     */
+    struct wsp_edge edge;
+    /**
+     * A tetrahedron of the view whose circumsphere holds the point: to start its location, or the search of its
+     * cavity, from. After other insertions any tetrahedron at one of its vertices does.
+     */
+    uint32_t tetrahedron;
+    /**
+     * The rule that the point was made by. Splits of the boundary are those that it asks for.
+     */
+    wsp_rule rule;
+} wsp_steiner_point;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1139,6 +1186,106 @@ wsp_status wsp_is_bad_edge(const double p[3],
                            uint32_t closed,
                            double radius_edge,
                            uint32_t *bad);
+
+/**
+ * One round of refinement on the arrays of any mesher: looks for bad short edges and computes points that may all be
+ * inserted together. 'Batch, insert, repeat' ends at a batch of no points, with no bad tetrahedron left after WSP_DONE.
+ *
+ * `view` is a Delaunay mesh of the domain: its points, tetrahedra, and optionally neighbours (NULL: they are found) and
+ * `faces`, `facets`. Faces with a tetrahedron on one side only are the domain's boundary, and `faces` is part of it too: no sample
+ * encroaches upon them. A face that one would encroach upon, or a vertex does, is split first: the batch then has a point
+ * on it, of origin WSP_ORIGIN_SUBFACET or WSP_ORIGIN_SEGMENT. Edges of the boundary are segments where facets meet; what a facet is,
+ * `facets` says, and without numbers exactly coplanar neighbours are of one. Nothing is remembered from round to round.
+ *
+ * The points of different edges are independent: their cavities (as the empty-sphere rule and exact arithmetic have them,
+ * cospherical tetrahedra included) neither meet nor share a face, so the order of insertion does not matter and none comes near
+ * another. The points of one edge stand together; their cavities may overlap, and they keep their distances. Any first part of
+ * the list may be inserted and the rest be left out.
+ *
+ * A facet that is not parallel to an axis can't hold points exactly: a split may lie off its plane by rounding, with flat
+ * tetrahedra between the two. Leave those out of the view, and give faces at the facet its number: a tetrahedron is
+ * flat if all its vertices are on one facet, where a split of a subfacet is on its facet and the split of a segment on all facets that both its ends are
+ * on.
+ *
+ * `options` and `control` may be NULL. `*out` belongs to the caller: free it with wsp_mesh_batch_free. After an error or
+ * WSP_CANCELLED it is NULL. WSP_UNREFINED: the batch has no points, but bad tetrahedra are left, because mending them
+ * needs edges below 2^-40 of the bounding box, or their shortest edge spans an angle of less than 60 degrees between boundary elements.
+ *
+ * Cost: linear in the arrays, about a microsecond a tetrahedron.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY,
+ * WSP_ERR_NOT_VALID (a tetrahedron is flat, negative or not Delaunay, names no vertex, or neighbours are wrong: the
+ * text says which).
+ */
+wsp_status wsp_sample_mesh(const struct wsp_mesh_view *view,
+                           const struct wsp_sampler_options *options,
+                           struct wsp_control *control,
+                           struct wsp_mesh_batch **out);
+
+/**
+ * Frees a batch; NULL is ignored.
+ */
+void wsp_mesh_batch_free(struct wsp_mesh_batch *batch);
+
+/**
+ * The number of Steiner points; 0 for NULL.
+ */
+size_t wsp_mesh_batch_count(const struct wsp_mesh_batch *batch);
+
+/**
+ * The Steiner points, to be read until the batch is freed; NULL for an empty batch and for NULL.
+ */
+const struct wsp_steiner_point *wsp_mesh_batch_points(const struct wsp_mesh_batch *batch);
+
+/**
+ * The bad short edges of the view, shortest first, to be read until the batch is freed; `*count` becomes their number.
+ * NULL when there are none, for NULL, and if `count` is NULL.
+ */
+const struct wsp_edge *wsp_mesh_batch_bad_edges(const struct wsp_mesh_batch *batch,
+                                                size_t *count);
+
+/**
+ * How many bad tetrahedra and encroached boundary elements can't be mended (see wsp_sample_mesh); 0 for NULL.
+ */
+size_t wsp_mesh_batch_refused(const struct wsp_mesh_batch *batch);
+
+/**
+ * Which of `n` tetrahedra are bad, in one call: `bad[i]` becomes 1 if the circumradius of tetrahedron i exceeds
+ * `radius_edge` times its shortest edge, by exact arithmetic, else 0. `corners_xyz` has four points a tetrahedron, twelve
+ * doubles. The two arrays may not overlap.
+ *
+ * Cost: linear in n. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_OPTION (`radius_edge` is not from 0.62 to 1e6), WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE.
+ */
+wsp_status wsp_bad_tetrahedra(const double *corners_xyz,
+                              size_t n,
+                              double radius_edge,
+                              uint8_t *bad);
+
+/**
+ * The exact sign of det[b-a, c-a, d-a]: `*sign` becomes 1 if tetrahedron a b c d is positively oriented, 0 if it is flat, else -1.
+ *
+ * Constant time but for degenerate input. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE.
+ */
+wsp_status wsp_orientation(const double a[3],
+                           const double b[3],
+                           const double c[3],
+                           const double d[3],
+                           int32_t *sign);
+
+/**
+ * Where `p` is to the circumsphere of the positively oriented tetrahedron a b c d, exactly: `*sign` becomes 1 inside, 0 on
+ * it, -1 outside.
+ *
+ * Constant time but for degenerate input. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE.
+ */
+wsp_status wsp_side_of_sphere(const double a[3],
+                              const double b[3],
+                              const double c[3],
+                              const double d[3],
+                              const double p[3],
+                              int32_t *sign);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -67,6 +67,11 @@ pub enum Error {
         /// Which of these, in words.
         problem: &'static str,
     },
+    /// A host's arrays are no Delaunay mesh: what is wrong, and with which tetrahedron or face.
+    InvalidMesh {
+        /// The sentence.
+        problem: String,
+    },
     /// The control cancelled a call that has no result to give then.
     Cancelled,
     /// Memory for `what` could not be had.
@@ -130,6 +135,7 @@ impl fmt::Display for Error {
             }
             Error::InvalidDomain { element, problem } => write!(f, "{element}: {problem}"),
             Error::Domain { problem } => f.write_str(problem),
+            Error::InvalidMesh { problem } => f.write_str(problem),
             Error::Cancelled => f.write_str("cancelled"),
             Error::OutOfMemory { what } => write!(f, "out of memory for {what}"),
         }

@@ -13,6 +13,7 @@
 //! | [`domain`] | piecewise linear complexes and their boundary rules |
 //! | [`refine`] | the refinement loop |
 //! | [`sparsify`] | Steiner points taken away again |
+//! | [`host`] | the same, a round at a time, on the arrays of another mesher |
 //! | [`mesh`] | a triangulation with its domain: what most callers hold |
 
 #![warn(missing_docs)]
@@ -22,6 +23,7 @@ mod control;
 pub mod domain;
 mod error;
 pub mod geometry;
+pub mod host;
 pub mod mesh;
 pub mod refine;
 pub mod sampler;

@@ -502,6 +502,53 @@ inline std::vector<point> sample_edge(const point& p, const point& q, points lin
         16);
 }
 
+// A host's arrays as wsp_sample_mesh takes them. They refer to the host's memory.
+struct mesh_arrays : wsp_mesh_view {
+    mesh_arrays(wsp::points vertices, span<std::array<std::uint32_t, 4>> tets,
+                span<std::array<std::uint32_t, 4>> across = {}, span<std::array<std::uint32_t, 3>> inner_faces = {},
+                span<std::uint32_t> facet_numbers = {}) {
+        check(wsp_mesh_view_init(this, sizeof(wsp_mesh_view)));
+        if ((!across.empty() && across.size() != tets.size()) ||
+            (!facet_numbers.empty() && facet_numbers.size() != inner_faces.size()))
+            throw error(WSP_ERR_ARGUMENT, "wsp::mesh_arrays: arrays that belong together differ in length");
+        points = vertices.data();
+        points_count = vertices.size();
+        tetrahedra = tets.empty() ? nullptr : tets.data()->data();
+        tetrahedra_count = tets.size();
+        neighbours = across.empty() ? nullptr : across.data()->data();
+        faces = inner_faces.empty() ? nullptr : inner_faces.data()->data();
+        faces_count = inner_faces.size();
+        facets = facet_numbers.data();
+    }
+};
+
+// One round on a host's arrays: points that may all be inserted together. See wsp_sample_mesh.
+class mesh_batch {
+public:
+    explicit mesh_batch(const mesh_arrays& mesh, const sampler_options& options = {}) {
+        wsp_mesh_batch* made = nullptr;
+        check(wsp_sample_mesh(&mesh, &options, nullptr, &made));
+        handle_.reset(made);
+    }
+
+    std::size_t size() const noexcept { return wsp_mesh_batch_count(get()); }
+    bool empty() const noexcept { return size() == 0; }
+    // Both refer to the batch's memory.
+    span<wsp_steiner_point> points() const noexcept { return {wsp_mesh_batch_points(get()), size()}; }
+    span<edge> bad_edges() const noexcept {
+        std::size_t count = 0;
+        const edge* first = wsp_mesh_batch_bad_edges(get(), &count);
+        return {first, count};
+    }
+    // Bad tetrahedra and encroached boundary elements that can't be mended.
+    std::size_t refused() const noexcept { return wsp_mesh_batch_refused(get()); }
+
+    wsp_mesh_batch* get() const noexcept { return handle_.get(); }
+
+private:
+    detail::handle<wsp_mesh_batch, wsp_mesh_batch_free> handle_;
+};
+
 inline bool is_bad_edge(const point& p, const point& q, points link, bool closed, double radius_edge) {
     std::uint32_t bad = 0;
     check(wsp_is_bad_edge(p.data(), q.data(), link.data(), link.size(), closed, radius_edge, &bad));

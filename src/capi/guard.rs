@@ -35,6 +35,7 @@ impl From<Error> for Failure {
             Error::InvalidOption { .. } => WSP_ERR_OPTION,
             Error::InvalidDomain { .. } => WSP_ERR_INVALID_DOMAIN,
             Error::Domain { .. } => WSP_ERR_DOMAIN,
+            Error::InvalidMesh { .. } => WSP_ERR_NOT_VALID,
             // Calls that can be cancelled answer WSP_CANCELLED themselves.
             Error::Cancelled => WSP_ERR_INTERNAL,
             Error::OutOfMemory { .. } => WSP_ERR_MEMORY,

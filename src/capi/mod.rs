@@ -29,6 +29,7 @@ mod float_env;
 mod guard;
 mod handle;
 mod last_error;
+pub mod mesh_batch;
 pub mod options;
 pub mod plc;
 pub mod refine;

@@ -49,7 +49,7 @@ pub const WSP_ERR_MEMORY: i32 = -13;
 pub const WSP_ERR_BUSY: i32 = -14;
 /// The batch is not of the triangulation's present state.
 pub const WSP_ERR_STALE: i32 = -15;
-/// `wsp_triangulation_validate` has found the triangulation wanting; the text says where.
+/// `wsp_triangulation_validate` has found the triangulation wanting, or a host's arrays are no Delaunay mesh; the text says where.
 pub const WSP_ERR_NOT_VALID: i32 = -16;
 
 /// No vertex, no tetrahedron: the id that is never given out.

@@ -11,6 +11,7 @@ use std::ptr::{null, null_mut};
 
 use super::batch::*;
 use super::control::*;
+use super::mesh_batch::*;
 use super::options::*;
 use super::plc::*;
 use super::refine::*;

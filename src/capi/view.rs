@@ -28,12 +28,19 @@ pub struct wsp_mesh_view {
     pub neighbours: *const u32,
     /// The region of each tetrahedron: 1 + the position of the wsp_plc_add_region that labels it, 0 for none.
     pub regions: *const u32,
+    /// For wsp_sample_mesh, three vertex ids a face: inner faces that bound a part of the domain, and any face of its boundary that
+    /// is to have a number. wsp_triangulation_view gives none.
+    pub faces: *const u32,
+    /// The number of `faces`.
+    pub faces_count: usize,
+    /// The number of each face's facet, for all of `faces` or NULL.
+    pub facets: *const u32,
 }
 
 // SAFETY: repr(C), numbers and raw pointers only, struct_size first.
 unsafe impl Sized_ for wsp_mesh_view {
     const NAME: &'static str = "wsp_mesh_view";
-    const SIZES: &'static [usize] = &[size_of::<Self>()];
+    const SIZES: &'static [usize] = &[std::mem::offset_of!(wsp_mesh_view, faces), size_of::<Self>()];
 
     fn defaults() -> Self {
         wsp_mesh_view {
@@ -45,6 +52,9 @@ unsafe impl Sized_ for wsp_mesh_view {
             tetrahedra_count: 0,
             neighbours: std::ptr::null(),
             regions: std::ptr::null(),
+            faces: std::ptr::null(),
+            faces_count: 0,
+            facets: std::ptr::null(),
         }
     }
 }

@@ -26,9 +26,23 @@ pub enum Carrier {
 }
 
 /// Whether the angle between two directions is below 60°. This decides what is worth doing, not what is right; rounding may.
-fn is_acute(u: DVec3, v: DVec3) -> bool {
+pub(crate) fn is_acute(u: DVec3, v: DVec3) -> bool {
     let dot = u.dot(v);
     dot > 0.0 && dot * dot > 0.25 * (1.0 + 1e-9) * u.length_squared() * v.length_squared()
+}
+
+/// Where to split a subsegment `pq`: in the middle; with one acute end at the power of two from that end nearest to it, so that
+/// all segments there are cut on common shells.
+pub(crate) fn split_point([p, q]: [DVec3; 2], acute: [bool; 2]) -> DVec3 {
+    let (center, other) = match acute {
+        [true, false] => (p, q),
+        [false, true] => (q, p),
+        _ => return 0.5 * p + 0.5 * q,
+    };
+    let length = center.distance(other);
+    // Between a third and two thirds of the length.
+    let radius = (length * 2.0 / 3.0).log2().floor().exp2();
+    center + (other - center) * (radius / length)
 }
 
 impl Boundary {

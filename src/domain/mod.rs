@@ -15,7 +15,7 @@
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
 //! or subfacet that is missing from the triangulation, or encroached, is split.
 
-mod acute;
+pub(crate) mod acute;
 pub mod boundary;
 mod build;
 pub mod facet;

@@ -10,20 +10,10 @@ use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 
 impl Boundary {
-    /// Where to split a subsegment: in the middle; with one acute end at the power of two from that end nearest to it, so that
-    /// all segments there are cut on common shells.
+    /// Where to split a subsegment.
     pub(crate) fn split_point(&self, t: &Triangulation, [a, b]: [u32; 2]) -> DVec3 {
-        let (p, q) = (t.at(a), t.at(b));
         let acute = |v: u32| self.kind(v) & ACUTE != 0;
-        let (center, other) = match (acute(a), acute(b)) {
-            (true, false) => (p, q),
-            (false, true) => (q, p),
-            _ => return 0.5 * p + 0.5 * q,
-        };
-        let length = center.distance(other);
-        // Between a third and two thirds of the length.
-        let radius = (length * 2.0 / 3.0).log2().floor().exp2();
-        center + (other - center) * (radius / length)
+        super::acute::split_point([t.at(a), t.at(b)], [acute(a), acute(b)])
     }
 
     /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulations at subsegment `edge`, which it splits.

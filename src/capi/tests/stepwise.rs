@@ -249,3 +249,100 @@ fn the_sampler_refuses_what_is_no_star() {
     }
     assert_eq!((bad, count), (9, 9));
 }
+
+/// A cube as six tetrahedra around its diagonal, with a point near one corner that makes bad edges once it is in.
+fn arrays() -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
+    let corner = |i: u32| [0, 1, 2].map(|k| f64::from(i >> k & 1));
+    let around = [1u32, 3, 2, 6, 4, 5, 1];
+    ((0..8).map(corner).collect(), around.windows(2).map(|w| [0, w[0], w[1], 7]).collect())
+}
+
+fn view_of(points: &[[f64; 3]], tetrahedra: &[[u32; 4]]) -> wsp_mesh_view {
+    let mut view = std::mem::MaybeUninit::uninit();
+    // SAFETY: `_init` fills what it is given the size of.
+    let mut view: wsp_mesh_view = unsafe {
+        done(wsp_mesh_view_init(view.as_mut_ptr(), size_of::<wsp_mesh_view>()));
+        view.assume_init()
+    };
+    (view.points, view.points_count) = (points.as_ptr().cast(), points.len());
+    (view.tetrahedra, view.tetrahedra_count) = (tetrahedra.as_ptr().cast(), tetrahedra.len());
+    view
+}
+
+#[test]
+fn a_mesh_in_arrays_has_batches() {
+    let (points, mut tetrahedra) = arrays();
+    let mut view = view_of(&points, &tetrahedra);
+    let mut batch = null_mut();
+    let mut count = 9;
+    // SAFETY: live arrays of the sizes given, and NULL where it is allowed or an error.
+    unsafe {
+        // The cube's tetrahedra have a ratio of 0.87.
+        done(wsp_sample_mesh(&view, null(), null_mut(), &mut batch));
+        assert_eq!((wsp_mesh_batch_count(batch), wsp_mesh_batch_refused(batch)), (0, 0));
+        assert!(wsp_mesh_batch_points(batch).is_null());
+        assert!(wsp_mesh_batch_bad_edges(batch, &mut count).is_null());
+        assert_eq!(count, 0);
+        wsp_mesh_batch_free(batch);
+
+        let mut options = std::mem::MaybeUninit::uninit();
+        done(wsp_sampler_options_init(options.as_mut_ptr(), size_of::<wsp_sampler_options>()));
+        let mut options: wsp_sampler_options = options.assume_init();
+        options.radius_edge = 0.8;
+        // A program of before the fields for faces: they are not read.
+        view.struct_size = std::mem::offset_of!(wsp_mesh_view, faces) as u32;
+        view.faces_count = usize::MAX;
+        done(wsp_sample_mesh(&view, &options, null_mut(), &mut batch));
+        assert!(wsp_mesh_batch_count(batch) > 0);
+        let point = *wsp_mesh_batch_points(batch);
+        assert!(point.tetrahedron < 6 && point.rule == WSP_RULE_SPARSE);
+        assert!(point.xyz.iter().all(|x| (0.0..=1.0).contains(x)));
+        assert!(!wsp_mesh_batch_bad_edges(batch, &mut count).is_null());
+        assert!(count > 0);
+        wsp_mesh_batch_free(batch);
+        view = view_of(&points, &tetrahedra);
+
+        let refused = |view: *const wsp_mesh_view, status: wsp_status| {
+            let mut batch = std::ptr::dangling_mut();
+            assert_eq!(wsp_sample_mesh(view, null(), null_mut(), &mut batch), status);
+            assert!(batch.is_null());
+        };
+        refused(null(), WSP_ERR_NULL);
+        refused(&wsp_mesh_view { struct_size: 12, ..view }, WSP_ERR_STRUCT_SIZE);
+        refused(&wsp_mesh_view { points: null(), ..view }, WSP_ERR_NULL);
+        refused(&wsp_mesh_view { faces_count: 1, ..view }, WSP_ERR_NULL);
+        refused(&wsp_mesh_view { points_count: 7, ..view }, WSP_ERR_NOT_VALID);
+        assert_eq!(wsp_sample_mesh(&view, null(), null_mut(), null_mut()), WSP_ERR_NULL);
+        tetrahedra[2].swap(0, 1);
+        refused(&view_of(&points, &tetrahedra), WSP_ERR_NOT_VALID);
+        wsp_mesh_batch_free(null_mut());
+        assert_eq!((wsp_mesh_batch_count(null()), wsp_mesh_batch_refused(null())), (0, 0));
+    }
+}
+
+#[test]
+fn predicates_and_qualities_for_hosts() {
+    let (points, tetrahedra) = arrays();
+    let [a, b, c, d] = tetrahedra[0].map(|v| points[v as usize].as_ptr());
+    let (mut sign, mut bad) = (7, [9u8; 6]);
+    let corners: Vec<[f64; 3]> = tetrahedra.iter().flatten().map(|&v| points[v as usize]).collect();
+    // SAFETY: three doubles a point, room as said, NULL is an error.
+    unsafe {
+        done(wsp_orientation(a, b, c, d, &mut sign));
+        assert_eq!(sign, 1);
+        done(wsp_orientation(b, a, c, d, &mut sign));
+        assert_eq!(sign, -1);
+        for (p, expected) in [([0.5; 3], 1), ([0.0, 1.0, 0.0], 0), ([2.0, 0.0, 0.0], -1)] {
+            done(wsp_side_of_sphere(a, b, c, d, p.as_ptr(), &mut sign));
+            assert_eq!(sign, expected);
+        }
+        assert_eq!(wsp_orientation(a, null(), c, d, &mut sign), WSP_ERR_NULL);
+        assert_eq!(wsp_side_of_sphere(a, b, c, d, [f64::NAN; 3].as_ptr(), &mut sign), WSP_ERR_NOT_FINITE);
+        done(wsp_bad_tetrahedra(corners.as_ptr().cast(), 6, 0.8, bad.as_mut_ptr()));
+        assert_eq!(bad, [1; 6]);
+        done(wsp_bad_tetrahedra(corners.as_ptr().cast(), 6, 0.9, bad.as_mut_ptr()));
+        assert_eq!(bad, [0; 6]);
+        done(wsp_bad_tetrahedra(null(), 0, 2.0, null_mut()));
+        assert_eq!(wsp_bad_tetrahedra(corners.as_ptr().cast(), 6, 0.1, bad.as_mut_ptr()), WSP_ERR_OPTION);
+    }
+}

@@ -1,0 +1,183 @@
+// wellspaced/cgal.hpp with the types that users have: kernels, info() at vertices and cells, tags; domains; exceptions.
+//
+//   cgal_host NAME     epick, epeck, parallel, domain, slanted, lower, throwing
+#ifdef WELLSPACED_TEST_TBB
+#define CGAL_LINKED_WITH_TBB
+#endif
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_cell_base_with_info_3.h>
+#include <CGAL/Triangulation_vertex_base_with_info_3.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "wellspaced/cgal.hpp"
+
+namespace {
+
+namespace wc = wellspaced::cgal;
+using Epick = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Epeck = CGAL::Exact_predicates_exact_constructions_kernel;
+using Plain = CGAL::Delaunay_triangulation_3<Epick>;
+
+void require(bool holds, const char* what) {
+  if (!holds) throw std::runtime_error(what);
+}
+
+template <class Dt>
+void fill(Dt& dt, int count, unsigned seed, double half = 3) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> inside(-1.0, 1.0);
+  for (int i = 0; i < count; ++i) {
+    const double x = inside(random), y = inside(random), z = inside(random);
+    dt.insert(typename Dt::Point(x, y, z));
+  }
+  for (int i = 0; i < 8; ++i)
+    dt.insert(typename Dt::Point(i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? half : -half));
+}
+
+template <class Dt>
+void require_done(Dt& dt, const wc::report& done, double bound) {
+  require(done.status == WSP_DONE, "not done");
+  require(wc::bad_short_edges(dt, bound).empty(), "bad edges are left");
+  require(dt.is_valid(), "the triangulation is not valid");
+  for (auto v = dt.finite_vertices_begin(); v != dt.finite_vertices_end(); ++v) {
+    using std::abs;
+    const auto p = v->point();
+    require(abs(CGAL::to_double(p.x())) <= 3 && abs(CGAL::to_double(p.y())) <= 3 && abs(CGAL::to_double(p.z())) <= 3,
+            "a vertex outside the box");
+  }
+}
+
+template <class Dt>
+void refine(wsp_rule rule, double bound) {
+  Dt dt;
+  fill(dt, 150, 5);
+  const auto first = dt.finite_vertices_begin();
+  const typename Dt::Vertex_handle kept = first;
+  const typename Dt::Point place = kept->point();
+  const std::size_t before = dt.number_of_vertices();
+  std::size_t told = 0;
+  const wc::report done = wc::refine(dt, wc::options(bound, rule), wc::everywhere(),
+                                     [&](typename Dt::Vertex_handle v, wc::origin) { told += dt.is_vertex(v); });
+  require_done(dt, done, bound);
+  require(told == done.inserted() && dt.number_of_vertices() == before + told && told > 0, "the callback's count");
+  require(dt.is_vertex(kept) && kept->point() == place, "a handle of before");
+  require(wc::refine(dt, wc::options(bound, rule)).inserted() == 0, "a second refinement adds something");
+}
+
+// Each side of a wall through the box, one of them refined.
+void domain() {
+  Plain dt;
+  fill(dt, 150, 6);
+  for (double y : {-3., 3.})
+    for (double z : {-3., 3.}) dt.insert(Plain::Point(0, y, z));
+  // The wall has to be made of facets of the triangulation before it can be the boundary: a few points on it do.
+  for (int i = -11; i <= 11; ++i)
+    for (int j = -11; j <= 11; ++j) dt.insert(Plain::Point(0, 0.25 * i, 0.25 * j));
+  const auto right = [](const Plain::Cell_handle& c) {
+    return c->vertex(0)->point().x() + c->vertex(1)->point().x() + c->vertex(2)->point().x() + c->vertex(3)->point().x() > 0;
+  };
+  bool outside = false;
+  const wc::report done = wc::refine(dt, wc::options(1.8), right, [&](Plain::Vertex_handle v, wc::origin) {
+    outside = outside || v->point().x() < -0.5;
+  });
+  require(done.inserted() > 0 && !outside, "points outside the domain");
+  require(wc::bad_short_edges(dt, 1.8, right).size() <= done.refused, "bad edges are left in the domain");
+  require(dt.is_valid(), "the triangulation is not valid");
+}
+
+// A box turned about an axis of no symmetry: its sides can't hold their new vertices exactly.
+void slanted() {
+  Plain box, dt;
+  fill(box, 100, 7);
+  const double c = std::cos(0.7), s = std::sin(0.7), d = std::cos(0.4), e = std::sin(0.4);
+  for (auto v = box.finite_vertices_begin(); v != box.finite_vertices_end(); ++v) {
+    const auto p = v->point();
+    const double x = c * p.x() - s * p.y(), y = s * p.x() + c * p.y();
+    dt.insert(Plain::Point(x, d * y - e * p.z(), e * y + d * p.z()));
+  }
+  // Corners of one side that are coplanar but for rounding are of several facets then, and all is as for any polyhedron.
+  wc::options options(2);
+  options.max_vertices = 20000;
+  const wc::report done = wc::refine(dt, options);
+  require(done.status != WSP_VERTEX_LIMIT, "no end");
+  require(dt.is_valid(), "the triangulation is not valid");
+  std::printf("slanted: %zu points, status %d\n", done.inserted(), static_cast<int>(done.status));
+}
+
+void lower() {
+  Plain dt;
+  require(wc::refine(dt).inserted() == 0, "the empty triangulation");
+  for (int i = 0; i < 4; ++i) dt.insert(Plain::Point(i, i * i, 0));
+  require(wc::refine(dt).inserted() == 0 && wc::bad_short_edges(dt, 2).empty(), "dimension 2");
+  for (double bound : {0.1, 1e7, std::nan("")}) {
+    try {
+      wc::refine(dt, wc::options(bound));
+      require(false, "a bound that can't be");
+    } catch (const std::invalid_argument&) {
+    }
+  }
+  Plain limited;
+  fill(limited, 150, 5);
+  wc::options options(2);
+  options.max_vertices = limited.number_of_vertices() + 10;
+  require(wc::refine(limited, options).status == WSP_VERTEX_LIMIT, "the limit's status");
+  require(limited.number_of_vertices() == options.max_vertices && limited.is_valid(), "the limit");
+}
+
+void throwing() {
+  Plain dt;
+  fill(dt, 150, 5);
+  int left = 20;
+  bool thrown = false;
+  try {
+    wc::refine(dt, wc::options(2), wc::everywhere(), [&](Plain::Vertex_handle, wc::origin) {
+      if (--left == 0) throw std::domain_error("enough");
+    });
+  } catch (const std::domain_error&) {
+    thrown = true;
+  }
+  require(thrown && dt.is_valid(), "the callback's exception");
+  require_done(dt, wc::refine(dt), 2);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "";
+  try {
+    using Vertex = CGAL::Triangulation_vertex_base_with_info_3<int, Epick>;
+    using Cell = CGAL::Triangulation_cell_base_with_info_3<std::string, Epick, CGAL::Delaunay_triangulation_cell_base_3<Epick>>;
+    using With_info = CGAL::Delaunay_triangulation_3<Epick, CGAL::Triangulation_data_structure_3<Vertex, Cell>>;
+    if (name == "epick") {
+      for (wsp_rule rule : {WSP_RULE_SPARSE, WSP_RULE_PAPER, WSP_RULE_CIRCUMCENTER})
+        for (double bound : {1.5, 2., 4.}) refine<With_info>(rule, bound);
+    } else if (name == "epeck") {
+      refine<CGAL::Delaunay_triangulation_3<Epeck>>(WSP_RULE_SPARSE, 2);
+#ifdef WELLSPACED_TEST_TBB
+    } else if (name == "parallel") {
+      using Structure = CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_3<Epick>,
+                                                             CGAL::Delaunay_triangulation_cell_base_3<Epick>, CGAL::Parallel_tag>;
+      refine<CGAL::Delaunay_triangulation_3<Epick, Structure>>(WSP_RULE_SPARSE, 2);
+#endif
+    } else if (name == "domain") {
+      domain();
+    } else if (name == "slanted") {
+      slanted();
+    } else if (name == "lower") {
+      lower();
+    } else if (name == "throwing") {
+      throwing();
+    } else {
+      throw std::runtime_error("no such test");
+    }
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "cgal_host %s: %s\n", name.c_str(), problem.what());
+    return 1;
+  }
+}

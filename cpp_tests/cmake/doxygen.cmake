@@ -1,0 +1,15 @@
+# Doxygen over the headers and the guide; a warning is a failure: cmake -D DOXYGEN=... -D SOURCE=... -D OUT=... -P doxygen.cmake
+cmake_minimum_required(VERSION 3.21)
+file(MAKE_DIRECTORY ${OUT})
+file(READ ${SOURCE}/docs/Doxyfile config)
+file(WRITE ${OUT}/Doxyfile "${config}\nOUTPUT_DIRECTORY = ${OUT}\n")
+execute_process(COMMAND ${DOXYGEN} ${OUT}/Doxyfile WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result OUTPUT_QUIET
+                ERROR_VARIABLE warnings)
+if(NOT result EQUAL 0 OR NOT warnings STREQUAL "")
+  message(FATAL_ERROR "doxygen: ${result}\n${warnings}")
+endif()
+foreach(page index.html wellspaced_8h.html cgal_8hpp.html)
+  if(NOT EXISTS ${OUT}/html/${page})
+    message(FATAL_ERROR "doxygen made no ${page}")
+  endif()
+endforeach()

@@ -1,0 +1,381 @@
+//! One round of the refinement on a host's arrays: boundary splits and samples for bad short edges, of which a maximal independent set is taken.
+//!
+//! Candidates come in the order of the refinement: subsegments that a vertex encroaches upon, then subfacets, then the samples of bad short
+//! edges, the shortest first; or, by rule 3, the splits of what a sample would encroach upon. A candidate is taken if its cavities neither
+//! meet those taken before nor share a face with them. Then none of the new tetrahedra at one candidate's points can be in conflict with
+//! another's: the conflict region of a point is connected through faces, so it would first have to reach across such a face. So all that was
+//! decided here (distances, encroachment, cavities) holds in whatever order the points are inserted (compare D. Spielman, S.-H. Teng,
+//! A. Üngör, "Parallel Delaunay refinement: algorithms and analyses", IJCGA 17, 2007). The samples of one edge may have cavities in common;
+//! they are one candidate, and keep their distances as in the refinement.
+//!
+//! Deviation from the sequential order: edges far apart are mended in one round though one is longer. Edges longer than [`WINDOW`] times
+//! the shortest wait, because what is inserted at the short ones often mends them too.
+
+use rustc_hash::FxHashMap;
+
+use super::boundary::Boundary;
+use super::topology::{Cavity, Mesh, Walk, NONE};
+use super::Arrays;
+use crate::domain::boundary::{edge_key, Encroached};
+use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::geometry::encroachment::encroaches_facet;
+use crate::geometry::quality::{exceeds_radius_edge, EDGES};
+use crate::geometry::{check_range, flush_tiny};
+use crate::refine::check_radius_edge;
+use crate::sampler::facet::{Arc, VoronoiFacet};
+use crate::sampler::{sample_circumcenter, sample_component, Rule};
+use crate::triangulation::topology::tet_of;
+use crate::{Control, DVec3, Error, Origin, StepOptions};
+
+/// Edges longer than this many times the shortest bad one that can be mended wait for a later round.
+pub const WINDOW: f64 = 1.5;
+
+/// A Steiner point of a round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArrayPoint {
+    /// Where it goes.
+    pub position: DVec3,
+    /// What asks for it.
+    pub origin: Origin,
+    /// The bad short edge whose mending asks for it; `[u32::MAX; 2]` for splits that a vertex asks for.
+    pub edge: [u32; 2],
+    /// A tetrahedron whose circumsphere holds the point: to start its location, or the search of its cavity, from.
+    pub tetrahedron: u32,
+}
+
+/// What a round inserts, and what it saw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ArrayBatch {
+    /// The points, those of one edge together and in the order of insertion.
+    pub points: Vec<ArrayPoint>,
+    /// The bad short edges, shortest first.
+    pub bad_edges: Vec<[u32; 2]>,
+    /// Subsegments and subfacets that a vertex encroaches upon.
+    pub encroached: usize,
+    /// Bad tetrahedra and encroached elements that can't be mended: that needs an edge below the minimum length, or their
+    /// shortest edge spans an input angle of less than 60°.
+    pub refused: usize,
+}
+
+/// What became of a candidate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    Taken,
+    /// It meets one that was taken: it comes again in the next round.
+    Waits,
+    Refused,
+}
+
+struct Round<'a> {
+    mesh: Mesh<'a>,
+    boundary: Boundary,
+    radius_edge: f64,
+    rule: Rule,
+    min_edge: f64,
+    /// By tetrahedron: whether a cavity that was taken holds it.
+    taken: Vec<bool>,
+    /// Boundary elements that have had their turn, and what came of it.
+    tried_segments: FxHashMap<[u32; 2], Outcome>,
+    tried_facets: FxHashMap<[u32; 3], Outcome>,
+    /// Edges, with the ends of their link where it is a chain, that have had theirs.
+    sampled: FxHashMap<([u32; 2], [u32; 2]), Outcome>,
+    facet: VoronoiFacet,
+    arcs: Vec<Arc>,
+    link: Vec<u32>,
+    batch: ArrayBatch,
+}
+
+/// A round of refinement on a host's arrays. The refinement is done when the batch has no points; it has then reached the bound unless
+/// something was refused.
+///
+/// Cost: linear in the arrays, with one in-sphere test a face to check them, plus the candidates' cavities.
+pub fn sample_arrays(
+    arrays: &Arrays<'_>,
+    options: &StepOptions,
+    control: &Control,
+) -> Result<Option<ArrayBatch>, Error> {
+    check_radius_edge(options.radius_edge)?;
+    let mesh = Mesh::new(arrays)?;
+    let boundary = Boundary::new(&mesh, arrays)?;
+    let (low, high) = mesh.filter.bounding_box();
+    let mut round = Round {
+        taken: vec![false; mesh.tets.len()],
+        radius_edge: options.radius_edge,
+        rule: options.rule,
+        min_edge: (high - low).length() * (1.0 / (1u64 << 40) as f64),
+        mesh,
+        boundary,
+        tried_segments: FxHashMap::default(),
+        tried_facets: FxHashMap::default(),
+        sampled: FxHashMap::default(),
+        facet: VoronoiFacet::default(),
+        arcs: Vec::new(),
+        link: Vec::new(),
+        batch: ArrayBatch::default(),
+    };
+    Ok(round.run(control).then_some(round.batch))
+}
+
+/// A bad tetrahedron: its shortest edge's squared length, as bits that sort like it, and the edge.
+type Bad = (u64, [u32; 2], u32);
+
+impl Round<'_> {
+    fn run(&mut self, control: &Control) -> bool {
+        let encroached = self.boundary.encroached_by_vertices(&self.mesh);
+        self.batch.encroached = encroached.segments.len() + encroached.facets.len();
+        for &edge in &encroached.segments {
+            let outcome = self.split_segment(edge, [NONE; 2]);
+            self.count(outcome);
+        }
+        for &face in &encroached.facets {
+            let outcome = self.split_facet(face, [NONE; 2]);
+            self.count(outcome);
+        }
+        let bad = self.bad();
+        self.batch.bad_edges = bad.iter().map(|b| b.1).collect();
+        self.batch.bad_edges.dedup();
+        let mut limit = f64::INFINITY;
+        for (i, &(bits, edge, tet)) in bad.iter().enumerate() {
+            if i % 256 == 0 && !control.report("refine", i as f64 / bad.len() as f64, self.mesh.points.len()) {
+                return false;
+            }
+            let length = f64::from_bits(bits);
+            if length > limit {
+                break;
+            }
+            let outcome = self.mend(tet, edge);
+            self.count(outcome);
+            if outcome != Outcome::Refused {
+                limit = limit.min(length * WINDOW * WINDOW);
+            }
+        }
+        true
+    }
+
+    fn count(&mut self, outcome: Outcome) {
+        self.batch.refused += usize::from(outcome == Outcome::Refused);
+    }
+
+    /// All bad tetrahedra, the one with the shortest shortest edge first.
+    fn bad(&self) -> Vec<Bad> {
+        let mut bad: Vec<Bad> = (0..self.mesh.tets.len() as u32)
+            .filter(|&t| exceeds_radius_edge(self.mesh.corners(t), self.radius_edge))
+            .map(|t| {
+                let v = self.mesh.tets[t as usize];
+                let length = |[i, j]: [usize; 2]| self.mesh.at(v[i]).distance_squared(self.mesh.at(v[j])).to_bits();
+                let (length, edge) =
+                    EDGES.map(|e| (length(e), edge_key(e.map(|i| v[i])))).into_iter().min().unwrap_or_default();
+                (length, edge, t)
+            })
+            .collect();
+        // Ties by vertices, not by places in the arrays, which say nothing.
+        let key = |t: u32| {
+            let mut v = self.mesh.tets[t as usize];
+            v.sort_unstable();
+            v
+        };
+        bad.sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then_with(|| key(a.2).cmp(&key(b.2))));
+        bad
+    }
+
+    /// Mends a bad tetrahedron at its shortest edge.
+    fn mend(&mut self, tet: u32, edge: [u32; 2]) -> Outcome {
+        if self.taken[tet as usize] {
+            // It will be gone.
+            return Outcome::Waits;
+        }
+        if self.boundary.is_seditious(&self.mesh, edge) {
+            return Outcome::Refused;
+        }
+        let v = self.mesh.tets[tet as usize];
+        if self.rule != Rule::Circumcenter {
+            let slot = |x: u32| v.iter().position(|&y| y == x).unwrap_or(0);
+            let (mesh, boundary) = (&self.mesh, &self.boundary);
+            let wall = |face: u32| boundary.is_wall(mesh, face);
+            let closed = mesh.sector(tet, slot(edge[0]), slot(edge[1]), wall, &mut self.link);
+            let sector = match (closed, self.link.first(), self.link.last()) {
+                (false, Some(&a), Some(&b)) => (edge, edge_key([a, b])),
+                _ => (edge, [NONE; 2]),
+            };
+            if let Some(outcome) = self.sampled.get(&sector) {
+                // Another bad tetrahedron has asked for the same.
+                return outcome.again();
+            }
+            let [p, q] = edge.map(|v| mesh.at(v));
+            self.facet.set(p, q, self.link.iter().map(|&r| mesh.at(r)), closed);
+            let samples = sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule);
+            if let Some(samples) = samples {
+                let outcome = self.place(samples.points, tet, edge);
+                self.sampled.insert(sector, outcome);
+                return outcome;
+            }
+        }
+        self.place(sample_circumcenter(self.mesh.corners(tet)).points, tet, edge)
+    }
+
+    /// Takes an edge's samples as a candidate, or splits what they encroach upon.
+    fn place(&mut self, points: Vec<DVec3>, tet: u32, edge: [u32; 2]) -> Outcome {
+        let mut group: Vec<(ArrayPoint, Cavity)> = Vec::new();
+        let mut found = Encroached::default();
+        let mut outcome = Outcome::Refused;
+        for p in points {
+            let p = flush_tiny(p);
+            let mut cavity = Cavity::default();
+            if check_range(0, p).is_err() {
+                continue;
+            }
+            let start = self.locate(p, tet, &mut cavity, &mut found);
+            if start != NONE {
+                self.boundary.encroached_by(&self.mesh, p, &cavity, &mut found);
+            }
+            if !found.segments.is_empty() || !found.facets.is_empty() {
+                outcome = self.split_encroached(p, &mut found, edge);
+                break;
+            }
+            if start != NONE && self.rim_distance(p, &cavity) >= self.min_edge {
+                group.push((ArrayPoint { position: p, origin: Origin::Sample, edge, tetrahedron: start }, cavity));
+            }
+        }
+        match (group.is_empty(), outcome) {
+            (true, outcome) => outcome,
+            (false, Outcome::Refused) => self.take(group),
+            // The samples before the one that met the boundary stay.
+            (false, outcome) => {
+                self.take(group);
+                outcome
+            }
+        }
+    }
+
+    /// A tetrahedron in conflict with `p`, and the cavity; or what lies between, as encroached upon.
+    fn locate(&self, p: DVec3, near: u32, cavity: &mut Cavity, found: &mut Encroached) -> u32 {
+        found.segments.clear();
+        found.facets.clear();
+        if self.mesh.cavity(p, near, cavity) {
+            return near;
+        }
+        match self.mesh.walk(p, near) {
+            Walk::In(t) if self.mesh.cavity(p, t, cavity) => t,
+            Walk::Beyond(face) => {
+                let key = super::topology::face_key(self.mesh.face(face));
+                if encroaches_facet(key.map(|v| self.mesh.at(v)), p) {
+                    found.facets.push(key);
+                }
+                NONE
+            }
+            Walk::In(_) => NONE,
+        }
+    }
+
+    /// Rule 3: the splits of what a sample encroaches upon.
+    fn split_encroached(&mut self, p: DVec3, found: &mut Encroached, edge: [u32; 2]) -> Outcome {
+        if !found.segments.is_empty() {
+            found.facets.clear();
+        }
+        if self.rule == Rule::Sparse {
+            self.boundary.keep_nearest(&self.mesh, p, found);
+        }
+        let mut outcome = Outcome::Refused;
+        for &segment in &found.segments {
+            outcome = better(outcome, self.split_segment(segment, edge));
+        }
+        for &face in &found.facets {
+            outcome = better(outcome, self.split_facet(face, edge));
+        }
+        outcome
+    }
+
+    /// Rule 1.
+    fn split_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Outcome {
+        if let Some(outcome) = self.tried_segments.get(&segment) {
+            return outcome.again();
+        }
+        let outcome = self.try_segment(segment, edge);
+        self.tried_segments.insert(segment, outcome);
+        outcome
+    }
+
+    fn try_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Outcome {
+        let p = flush_tiny(self.boundary.split_point(&self.mesh, segment));
+        let mut cavity = Cavity::default();
+        let Some(near) = self.boundary.at_segment(segment) else { return Outcome::Refused };
+        if !self.mesh.cavity(p, near, &mut cavity) || self.rim_distance(p, &cavity) < self.min_edge {
+            return Outcome::Refused;
+        }
+        let point = ArrayPoint { position: p, origin: Origin::Segment(segment), edge, tetrahedron: near };
+        self.take(vec![(point, cavity)])
+    }
+
+    /// Rule 2.
+    fn split_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Outcome {
+        if let Some(outcome) = self.tried_facets.get(&face) {
+            return outcome.again();
+        }
+        let outcome = self.try_facet(face, edge);
+        self.tried_facets.insert(face, outcome);
+        outcome
+    }
+
+    fn try_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Outcome {
+        let [a, b, c] = face.map(|v| self.mesh.at(v));
+        let p = flush_tiny(triangle_circumcenter(a, b, c));
+        let mut cavity = Cavity::default();
+        let Some(near) = self.boundary.at_facet(face).map(tet_of) else { return Outcome::Refused };
+        if check_range(0, p).is_err()
+            || !self.mesh.cavity(p, near, &mut cavity)
+            || self.rim_distance(p, &cavity) < self.min_edge
+        {
+            return Outcome::Refused;
+        }
+        let mut found = Encroached::default();
+        self.boundary.encroached_by(&self.mesh, p, &cavity, &mut found);
+        let mut outcome = Outcome::Refused;
+        for segment in found.segments {
+            outcome = better(outcome, self.split_segment(segment, edge));
+        }
+        if outcome != Outcome::Refused {
+            return outcome;
+        }
+        let point = ArrayPoint { position: p, origin: Origin::Subfacet(face), edge, tetrahedron: near };
+        self.take(vec![(point, cavity)])
+    }
+
+    /// Takes a candidate, if its cavities are free and share no face with those taken.
+    fn take(&mut self, group: Vec<(ArrayPoint, Cavity)>) -> Outcome {
+        let is_free = |t: &u32| !self.taken[*t as usize];
+        if !group.iter().all(|(_, cavity)| cavity.tets.iter().all(is_free) && cavity.around.iter().all(is_free)) {
+            return Outcome::Waits;
+        }
+        for (point, cavity) in group {
+            for t in cavity.tets {
+                self.taken[t as usize] = true;
+            }
+            self.batch.points.push(point);
+        }
+        Outcome::Taken
+    }
+
+    /// The distance from the cavity's point to the nearest vertex.
+    fn rim_distance(&self, p: DVec3, cavity: &Cavity) -> f64 {
+        let corners = cavity.tets.iter().flat_map(|&t| self.mesh.corners(t));
+        corners.map(|v| v.distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
+    }
+}
+
+impl Outcome {
+    /// What it is to the next who asks for the same.
+    fn again(self) -> Outcome {
+        match self {
+            Outcome::Taken | Outcome::Waits => Outcome::Waits,
+            Outcome::Refused => Outcome::Refused,
+        }
+    }
+}
+
+fn better(a: Outcome, b: Outcome) -> Outcome {
+    match (a, b) {
+        (Outcome::Taken, _) | (_, Outcome::Taken) => Outcome::Taken,
+        (Outcome::Waits, _) | (_, Outcome::Waits) => Outcome::Waits,
+        _ => Outcome::Refused,
+    }
+}
