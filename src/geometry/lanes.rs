@@ -320,7 +320,7 @@ mod tests {
                 assert_eq!(mask, greater, "{value:?} > {i}.5");
             }
         }
-        assert_eq!(bits[15 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b1111 & !0b1010]);
+        assert_eq!(bits[15 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
         assert_eq!(compressed[0b1010], [5, 7, 0, 0]);
         assert_eq!(compressed[0b1111], [4, 5, 6, 7]);
         assert_eq!(compressed[0], [0; 4]);
