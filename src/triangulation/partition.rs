@@ -14,8 +14,10 @@ use glam::DVec3;
 use super::order::splitmix;
 use super::territory::{Ids, Own, NOBODY};
 
-/// So many points are divided in two; the unit of what is divided further.
+/// So many points are divided in two.
 const POINTS: usize = 1 << 16;
+/// The unit for what is divided further.
+const MANY_POINTS: usize = 1 << 18;
 /// More territories than by this depth leave threads with nothing to do.
 pub(super) const MAX_DEPTH: u32 = 6;
 /// So many points a territory tell where the planes go.
@@ -24,8 +26,8 @@ const SAMPLE: usize = 1 << 11;
 /// How deep a tree so many points are divided by; 0 means that they are too few. The planes' area grows as the square of the cube root of the
 /// number of territories; this way the share of the points that lie there stays the same.
 pub(super) fn depth(points: usize) -> u32 {
-    let units = (points / POINTS) as u128;
-    let mut depth = u32::from(units >= 1);
+    let units = (points / MANY_POINTS) as u128;
+    let mut depth = u32::from(points >= POINTS);
     while depth > 0 && depth < MAX_DEPTH && (2u128 << depth).pow(3) <= units * units {
         depth += 1;
     }
@@ -354,7 +356,7 @@ mod tests {
 
     #[test]
     fn few_points_are_not_divided() {
-        assert_eq!([0, POINTS - 1, POINTS, 867_000, 8_670_000].map(depth), [0, 0, 1, 2, 4]);
+        assert_eq!([0, POINTS - 1, POINTS, 867_000, 3_500_000, 8_670_000].map(depth), [0, 0, 1, 1, 2, 3]);
         assert_eq!(depth(1 << 30), MAX_DEPTH);
     }
 }
