@@ -179,9 +179,7 @@ unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, st
         // SAFETY: vertices of a live tetrahedron.
         let mine = unsafe { own.of::<L>(&tet.v) };
         if mine != 0b1111 {
-            // Any of the faces leads on; one with two own vertices may be crossed.
-            let crossable = |slot: &usize| leave >> slot & 1 == 1 && (mine & !(1 << slot)).count_ones() >= 2;
-            match (0..4).find(crossable) {
+            match crossable(leave, mine) {
                 Some(other) => slot = other,
                 None => return (t, false),
             }
@@ -191,6 +189,13 @@ unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, st
         // p is on the far side of the face that leads back.
         open = 0b1111 & !(1 << slot_of(face));
     }
+}
+
+/// One of the faces in `leave`, any of which leads on, that has two own vertices; `mine` are the slots with own vertices.
+#[cold]
+#[inline(never)]
+fn crossable(leave: u32, mine: u32) -> Option<usize> {
+    (0..4).find(|slot| leave >> slot & 1 == 1 && (mine & !(1 << slot)).count_ones() >= 2)
 }
 
 /// Those of the faces in `unsure` that separate from `p`.
@@ -361,6 +366,7 @@ unsafe fn write_four(list: &mut Vec<u32>, at: usize, values: [u32; 4]) {
 ///
 /// # Safety
 /// `tet` is live and may be read.
+#[cold]
 #[inline(never)]
 unsafe fn may_go<T: Territory>(site: Site, tet: &Tetrahedron, mine: u32, own: T) -> bool {
     if mine.count_ones() < 3 {
