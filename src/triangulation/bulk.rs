@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::cavity::Cavity;
 use super::order::{Round, SpatialOrder};
-use super::partition::{sample, AnyTerritory, Division, Partition, Planes};
+use super::partition::{sample, AnyTerritory, Division, Partition, Planes, MAX_DEPTH};
 use super::pass::{Pass, BLOCK, POLL_INTERVAL};
 use super::site::Site;
 use super::territory::Territory;
@@ -54,7 +54,7 @@ impl Triangulation {
     /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
     /// renumbered in the end.
     pub(super) fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let threads = threads::count(self.threads.0);
+        let threads = threads::count(self.threads.0).min(1 << MAX_DEPTH);
         let (base, present) = (self.points.len(), self.vertex_count());
         let SpatialOrder { order, mut rounds, ends } = SpatialOrder::new(points, threads);
         let no_memory = |what| Error::OutOfMemory { what };
