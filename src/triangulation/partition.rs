@@ -17,7 +17,7 @@ use super::territory::{Ids, Own, NOBODY};
 /// So many points are divided in two.
 const POINTS: usize = 1 << 16;
 /// The unit for what is divided further.
-const MANY_POINTS: usize = 1 << 18;
+const MANY_POINTS: usize = 1 << 19;
 /// More territories than by this depth leave threads with nothing to do.
 pub(super) const MAX_DEPTH: u32 = 6;
 /// So many points a territory tell where the planes go.
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn few_points_are_not_divided() {
-        assert_eq!([0, POINTS - 1, POINTS, 867_000, 3_500_000, 8_670_000].map(depth), [0, 0, 1, 1, 2, 3]);
+        assert_eq!([0, POINTS - 1, POINTS, 867_000, 8_670_000].map(depth), [0, 0, 1, 1, 2]);
         assert_eq!(depth(1 << 30), MAX_DEPTH);
     }
 }
