@@ -53,8 +53,17 @@ fn duplicated(n: usize) -> Vec<DVec3> {
 }
 
 /// All that can be told of a triangulation, ids included.
-fn everything(ids: Vec<u32>, t: &Triangulation) -> (Vec<u32>, Vec<[u64; 3]>, Vec<[u32; 8]>, Vec<u32>, Vec<u32>, u32) {
-    let points = t.points.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+#[derive(PartialEq)]
+struct Everything {
+    ids: Vec<u32>,
+    points: Vec<[u64; 3]>,
+    tets: Vec<[u32; 8]>,
+    vertex_tet: Vec<u32>,
+    free: Vec<u32>,
+    last: u32,
+}
+
+fn everything(ids: Vec<u32>, t: &Triangulation) -> Everything {
     let tets = t.topology.tets.iter().map(|tet| {
         let mut all = [0; 8];
         all[..4].copy_from_slice(&tet.v);
@@ -63,7 +72,14 @@ fn everything(ids: Vec<u32>, t: &Triangulation) -> (Vec<u32>, Vec<[u64; 3]>, Vec
         }
         all
     });
-    (ids, points, tets.collect(), t.topology.vertex_tet.clone(), t.topology.free.clone(), t.last)
+    Everything {
+        ids,
+        points: t.points.iter().map(|p| p.to_array().map(f64::to_bits)).collect(),
+        tets: tets.collect(),
+        vertex_tet: t.topology.vertex_tet.clone(),
+        free: t.topology.free.clone(),
+        last: t.last,
+    }
 }
 
 #[test]
