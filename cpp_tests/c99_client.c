@@ -134,7 +134,10 @@ static void test_points(void) {
     double p[3], bad[9];
 
     DONE(wsp_triangulation_options_init(&options, sizeof options));
-    CHECK(options.struct_size == sizeof options && options.flags == 0);
+    CHECK(options.struct_size == sizeof options && options.flags == 0 && options.threads == 1);
+    options.threads = 5000;
+    STATUS(WSP_ERR_OPTION, wsp_triangulation_new(&options, &t));
+    options.threads = 0;
     STATUS(WSP_ERR_STRUCT_SIZE, wsp_triangulation_options_init(&options, 4));
     DONE(wsp_triangulation_new(&options, &t));
     DONE(wsp_triangulation_dimension(t, &dimension));

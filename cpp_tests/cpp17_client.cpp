@@ -78,7 +78,7 @@ struct vector3 {  // a point type of somebody's own
 };
 
 void test_points() {
-    wsp::triangulation mesh;
+    wsp::triangulation mesh = wsp::triangulation::with_threads(2);
     CHECK(mesh.dimension() == -1 && mesh.vertex_count() == 0);
     CHECK(mesh.insert(wsp::point{0, 0, 0}) == 0);
     const double flat[] = {2, 0, 0, 0, 2, 0};

@@ -58,14 +58,26 @@ impl Mesh {
         Self::default()
     }
 
+    /// How many threads an insertion of many points may use: 1 by default, 0 for as many as there are processors. The result is the
+    /// same in every byte.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.t.set_threads(threads);
+    }
+
     /// The triangulation of the complex's points, with the complex as its domain.
     ///
     /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation, or
     /// encroached. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
     /// unusable, and tells when the facets enclose no volume; [`Error::Cancelled`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
+        Self::from_plc_on(1, plc, control)
+    }
+
+    /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
+    pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
         plc.check_references()?;
         let mut mesh = Mesh::new();
+        mesh.set_threads(threads);
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
         mesh.set_inputs();
         let whole =

@@ -1,11 +1,13 @@
 // One run of one library on one set of points, for script/bench: a process each, so that its peak memory is its own.
 //
-//   delaunay ENGINE SET N      ENGINE: wellspaced, cgal, tetgen; SET: uniform, sphere, grid, tenths
+//   delaunay ENGINE SET N [THREADS]
 //
-// Prints the processor seconds (user and system) that the triangulation took, the number of its tetrahedra, and the
-// process's peak memory in MiB, points included.
+// ENGINE: wellspaced, cgal, tetgen; SET: uniform, sphere, grid, tenths; THREADS: 1 by default, which the peers are left at.
+// Prints the processor seconds (user and system) and the seconds by the clock that the triangulation took, the number of its
+// tetrahedra, and the process's peak memory in MiB, points included.
 #include <sys/resource.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -34,10 +36,16 @@ rusage usage() {
   return r;
 }
 
-double seconds() {
+struct Seconds {
+  double processor, clock;
+  Seconds operator-(const Seconds& before) const { return {processor - before.processor, clock - before.clock}; }
+};
+
+Seconds seconds() {
   const rusage r = usage();
   const auto of = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
-  return of(r.ru_utime) + of(r.ru_stime);
+  const std::chrono::duration<double> clock = std::chrono::steady_clock::now().time_since_epoch();
+  return {of(r.ru_utime) + of(r.ru_stime), clock.count()};
 }
 
 // getrusage's figure would begin with that of the program that started this one.
@@ -81,16 +89,19 @@ point_sets::Coordinates points(const std::string& set, std::size_t n) {
 }
 
 struct Result {
-  double seconds;
+  Seconds seconds;
   std::size_t tetrahedra;
 };
 
-Result wellspaced(const point_sets::Coordinates& c) {
+Result wellspaced(const point_sets::Coordinates& c, unsigned threads) {
   wsp_triangulation* t = nullptr;
-  const double before = seconds();
-  if (wsp_triangulation_new(nullptr, &t) != WSP_DONE) fail(wsp_last_error());
+  wsp_triangulation_options options;
+  if (wsp_triangulation_options_init(&options, sizeof options) != WSP_DONE) fail(wsp_last_error());
+  options.threads = threads;
+  const Seconds before = seconds();
+  if (wsp_triangulation_new(&options, &t) != WSP_DONE) fail(wsp_last_error());
   if (wsp_triangulation_insert(t, c.data(), c.size() / 3, nullptr, nullptr) != WSP_DONE) fail(wsp_last_error());
-  const double after = seconds();
+  const Seconds after = seconds();
   std::size_t vertices = 0, tetrahedra = 0;
   if (wsp_triangulation_counts(t, &vertices, &tetrahedra) != WSP_DONE) fail(wsp_last_error());
   wsp_triangulation_free(t);
@@ -102,7 +113,7 @@ Result cgal(const point_sets::Coordinates& c) {
   std::vector<Triangulation::Point> list;
   list.reserve(c.size() / 3);
   for (std::size_t i = 0; i < c.size(); i += 3) list.emplace_back(c[i], c[i + 1], c[i + 2]);
-  const double before = seconds();
+  const Seconds before = seconds();
   const Triangulation t(list.begin(), list.end());
   return {seconds() - before, t.number_of_finite_cells()};
 }
@@ -114,9 +125,9 @@ Result tetgen(point_sets::Coordinates& c) {
   char options[] = "QNEF";
   tetgenbehavior behavior;
   if (!behavior.parse_commandline(options)) fail("tetgen's options");
-  const double before = seconds();
+  const Seconds before = seconds();
   tetrahedralize(&behavior, &in, &out);
-  const double after = seconds();
+  const Seconds after = seconds();
   in.pointlist = nullptr;
   return {after - before, std::size_t(out.numberoftetrahedra)};
 }
@@ -124,13 +135,13 @@ Result tetgen(point_sets::Coordinates& c) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) fail("usage: delaunay ENGINE SET N");
+  if (argc != 4 && argc != 5) fail("usage: delaunay ENGINE SET N [THREADS]");
   point_sets::Coordinates c = points(argv[2], std::strtoull(argv[3], nullptr, 10));
   const std::string engine = argv[1];
   Result result;
-  if (engine == "wellspaced") result = wellspaced(c);
+  if (engine == "wellspaced") result = wellspaced(c, argc == 5 ? unsigned(std::strtoul(argv[4], nullptr, 10)) : 1);
   else if (engine == "cgal") result = cgal(c);
   else if (engine == "tetgen") result = tetgen(c);
   else fail("no such engine");
-  std::printf("%.6f %zu %.1f\n", result.seconds, result.tetrahedra, peak_mebibytes());
+  std::printf("%.6f %.6f %zu %.1f\n", result.seconds.processor, result.seconds.clock, result.tetrahedra, peak_mebibytes());
 }

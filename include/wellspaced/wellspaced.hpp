@@ -347,6 +347,15 @@ public:
         check(wsp_triangulation_new(nullptr, &made));
         handle_.reset(made);
     }
+    // Insertions of many points may use so many threads, 0 for as many as there are processors.
+    static triangulation with_threads(std::uint32_t threads) {
+        wsp_triangulation_options options;
+        check(wsp_triangulation_options_init(&options, sizeof options));
+        options.threads = threads;
+        wsp_triangulation* made = nullptr;
+        check(wsp_triangulation_new(&options, &made));
+        return triangulation(made);
+    }
     explicit triangulation(const plc& domain) : handle_(from(domain, nullptr)) {}
     // If the control cancels, this throws wsp::error of status WSP_CANCELLED: there is no triangulation then.
     triangulation(const plc& domain, const control& control) : handle_(from(domain, control.get())) {}

@@ -71,15 +71,23 @@ pub struct wsp_triangulation_options {
     pub struct_size: u32,
     /// Must be 0.
     pub flags: u32,
+    /// How many threads an insertion of many points may use, the caller's among them: 0 for as many as there are
+    /// processors, else up to 1024. Default: 1. The result is the same in every byte. Callbacks run on the caller's
+    /// thread only.
+    pub threads: u32,
 }
+
+/// The most threads that may be asked for.
+const MAX_THREADS: u32 = 1024;
 
 // SAFETY: repr(C), integers only, struct_size first.
 unsafe impl Sized_ for wsp_triangulation_options {
     const NAME: &'static str = "wsp_triangulation_options";
-    const SIZES: &'static [usize] = &[size_of::<Self>()];
+    // The first version ended before `threads`.
+    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, threads), size_of::<Self>()];
 
     fn defaults() -> Self {
-        wsp_triangulation_options { struct_size: 0, flags: 0 }
+        wsp_triangulation_options { struct_size: 0, flags: 0, threads: 1 }
     }
 }
 
@@ -87,6 +95,10 @@ impl wsp_triangulation_options {
     pub(super) fn check(&self) -> Result<(), Failure> {
         if self.flags != 0 {
             return Err(Failure::new(WSP_ERR_OPTION, format!("flags is {:#x}, expected 0", self.flags)));
+        }
+        if self.threads > MAX_THREADS {
+            let text = format!("threads is {}, expected 0 to {MAX_THREADS}", self.threads);
+            return Err(Failure::new(WSP_ERR_OPTION, text));
         }
         Ok(())
     }

@@ -107,8 +107,11 @@ pub unsafe extern "C" fn wsp_triangulation_new(
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
     call("wsp_triangulation_new", || unsafe {
         args::handle_out(out, "out")?;
-        sized::read(options, "options")?.check()?;
-        give(Mesh::new(), out);
+        let options = sized::read(options, "options")?;
+        options.check()?;
+        let mut mesh = Mesh::new();
+        mesh.set_threads(options.threads as usize);
+        give(mesh, out);
         Ok(WSP_DONE)
     })
 }
@@ -139,9 +142,10 @@ pub unsafe extern "C" fn wsp_triangulation_from_plc(
     call("wsp_triangulation_from_plc", || unsafe {
         args::handle_out(out, "out")?;
         let plc = args::reference(plc, "plc")?.handle.read()?;
-        sized::read(options, "options")?.check()?;
+        let options = sized::read(options, "options")?;
+        options.check()?;
         let control = control::core(control)?;
-        match Mesh::from_plc(&plc, &control) {
+        match Mesh::from_plc_on(options.threads as usize, &plc, &control) {
             Ok(mesh) => give(mesh, out),
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
             Err(error) => return Err(error.into()),

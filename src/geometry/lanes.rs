@@ -34,6 +34,8 @@ pub trait Lanes: Copy {
     fn greater(self, other: Self) -> u32;
     /// Those of `values` whose bit is set, in order, and anything behind them.
     fn compress(values: &[u32; 4], bits: u32) -> [u32; 4];
+    /// A bit for each of `values`: whether it is one of `count` numbers from `first` on.
+    fn within(values: &[u32; 4], first: u32, count: u32) -> u32;
 }
 
 /// Per bit set its elements' positions, then zeros.
@@ -120,6 +122,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn compress(values: &[u32; 4], bits: u32) -> [u32; 4] {
         POSITIONS[bits as usize & 15].map(|i| values[i as usize & 3])
+    }
+    #[inline(always)]
+    fn within(values: &[u32; 4], first: u32, count: u32) -> u32 {
+        (0..4).map(|i| u32::from(values[i].wrapping_sub(first) < count) << i).sum()
     }
 }
 
@@ -229,6 +235,16 @@ mod x86 {
                 std::mem::transmute(_mm_permutevar_ps(values, positions))
             }
         }
+        #[inline(always)]
+        fn within(values: &[u32; 4], first: u32, count: u32) -> u32 {
+            // SAFETY: see above; an array of 16 bytes.
+            unsafe {
+                let from_first = _mm_sub_epi32(_mm_loadu_si128(values.as_ptr().cast()), _mm_set1_epi32(first as i32));
+                // There is no comparison of unsigned numbers: those that are not less than `count` are the greater of the two.
+                let beyond = _mm_cmpeq_epi32(_mm_max_epu32(from_first, _mm_set1_epi32(count as i32)), from_first);
+                !_mm_movemask_ps(_mm_castsi128_ps(beyond)) as u32 & 0b1111
+            }
+        }
     }
 }
 
@@ -270,6 +286,10 @@ mod tests {
                 out
             })
             .collect();
+        for (first, count) in [(0, 0), (5, 1), (5, 3), (4, 4), (0, u32::MAX), (u32::MAX, 1), (7, 0), (u32::MAX - 1, 8)]
+        {
+            bits.push(L::within(&[4, 5, u32::MAX, 7], first, count));
+        }
         (bits, compressed)
     }
 
@@ -300,6 +320,7 @@ mod tests {
                 assert_eq!(mask, greater, "{value:?} > {i}.5");
             }
         }
+        assert_eq!(bits[15 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
         assert_eq!(compressed[0b1010], [5, 7, 0, 0]);
         assert_eq!(compressed[0b1111], [4, 5, 6, 7]);
         assert_eq!(compressed[0], [0; 4]);

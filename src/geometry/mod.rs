@@ -6,6 +6,7 @@
 pub mod circumsphere;
 pub mod encroachment;
 mod exact;
+mod fixed;
 pub mod lanes;
 pub mod perturbation;
 pub mod predicates;

@@ -3,15 +3,17 @@
 //! J. R. Shewchuk ("Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 //! Predicates", DCG 18, 1997) as the `robust` crate has them.
 //!
-//! Before the last stage stands a test that makes grids cheap: when all coordinates are multiples of
+//! Before the last stage stand two tests that make grids cheap: when all coordinates are multiples of
 //! one power of two and the differences at hand are small multiples of it, the floating-point
-//! determinant is exact as it stands, zero included.
+//! determinant is exact as it stands, zero included; and when no coordinate is more than 61 bits of it, the determinant is
+//! computed in [whole numbers](super::fixed).
 //!
 //! The error constants are Shewchuk's for the same evaluation order, with the permanent replaced by its upper bound.
 
 use glam::DVec3;
 use robust::Coord3D;
 
+use super::fixed::FixedPoint;
 use super::lanes::Lanes;
 
 /// The sign of an exactly evaluated determinant.
@@ -73,6 +75,8 @@ pub struct Filter {
     insphere_bound: f64,
     /// The largest power of two that divides every coordinate.
     unit: f64,
+    /// Arithmetic in this unit, if the coordinates are not too long.
+    fixed: Option<FixedPoint>,
 }
 
 impl Default for Filter {
@@ -83,6 +87,7 @@ impl Default for Filter {
             orient_bound: 0.0,
             insphere_bound: 0.0,
             unit: MAX_UNIT,
+            fixed: None,
         }
     }
 }
@@ -148,6 +153,7 @@ impl Filter {
         self.insphere_bound = INSPHERE_ERROR * volume * size.length_squared() * (1.0 + 16.0 * f64::EPSILON);
         // On a grid of few steps all determinants are exact as they stand.
         let extent = size.max_element();
+        self.fixed = FixedPoint::new(self.unit, self.low.abs().max(self.high.abs()).max_element());
         if extent <= ORIENT_EXACT_UNITS * self.unit {
             self.orient_bound = 0.0;
         }
@@ -191,7 +197,10 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= ORIENT_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        orient3d(a, b, c, d)
+        match self.fixed {
+            Some(fixed) => fixed.orient3d([a, b, c], d),
+            None => orient3d(a, b, c, d),
+        }
     }
 
     /// Where `p` lies to the circumsphere of the positive tetrahedron `abcd`: positive inside.
@@ -215,7 +224,16 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= INSPHERE_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        insphere(a, b, c, d, p)
+        match self.fixed {
+            Some(fixed) => fixed.insphere([a, b, c, d], p),
+            None => insphere(a, b, c, d, p),
+        }
+    }
+
+    /// The largest power of two that divides every coordinate.
+    #[cfg(test)]
+    pub(super) fn unit(&self) -> f64 {
+        self.unit
     }
 }
 

@@ -7,11 +7,11 @@
 
 use glam::DVec3;
 
+use super::site::Site;
 use super::star::StarBuilder;
 use super::topology::{slot_of, tet_of, Topology, GHOST};
 use super::Triangulation;
-use crate::geometry::perturbation::in_conflict;
-use crate::geometry::{Filter, Sign};
+use crate::geometry::Filter;
 
 /// The cavity of one point, and scratch memory to find the next one in.
 #[derive(Clone, Debug, Default)]
@@ -42,9 +42,21 @@ impl Cavity {
         for &t in &self.tets {
             self.marks[t as usize] = 0;
         }
+        self.clear_lists();
+    }
+
+    #[inline]
+    pub(super) fn clear_lists(&mut self) {
         self.tets.clear();
         self.faces.clear();
         self.queue.clear();
+    }
+
+    /// Memory for cavities among that many tetrahedra and vertices, or `false` where there is none.
+    pub(super) fn reserve(&mut self, tetrahedra: usize, vertices: usize) -> bool {
+        self.clear();
+        (self.marks.len() >= tetrahedra || zeroed(tetrahedra).map(|marks| self.marks = marks).is_some())
+            && self.star.reserve(vertices)
     }
 
     /// Makes an empty cavity with marks for all tetrahedra.
@@ -67,22 +79,20 @@ impl Cavity {
     }
 }
 
+/// A list of zeros, which the system gives page by page as they are written to; `None` when it has none to give.
+pub(super) fn zeroed<T: Copy + Default>(count: usize) -> Option<Vec<T>> {
+    // A first attempt, because the second one ends the process when it fails.
+    Vec::<T>::new().try_reserve_exact(count).ok()?;
+    Some(vec![T::default(); count])
+}
+
 impl Triangulation {
     /// Whether `p` lies inside the circumsphere of tetrahedron `t`, after perturbation; for a ghost, whether it lies beyond the
     /// hull facet, or on its plane and inside its circle.
     #[inline]
     pub(crate) fn conflicts(&self, filter: &Filter, t: u32, p: DVec3) -> bool {
-        let tet = self.topology.tet(t);
-        let [a, b, c] = [self.at(tet.v[0]), self.at(tet.v[1]), self.at(tet.v[2])];
-        if tet.is_ghost() {
-            return match filter.orient3d(a, b, c, p) {
-                Sign::Positive => true,
-                Sign::Negative => false,
-                // On the facet's plane the circle decides, and every sphere through it has the same answer there, perturbed or not:
-                // the coefficient of a fourth corner is the orientation of the facet and p, which is 0.
-                Sign::Zero => in_conflict(filter, self.corners(tet_of(tet.n[3])), p),
-            };
-        }
-        in_conflict(filter, [a, b, c, self.at(tet.v[3])], p)
+        assert!(self.topology.tet(t).is_live());
+        // SAFETY: a live tetrahedron, and nothing changes the triangulation meanwhile.
+        unsafe { Site::of(self).conflicts(filter, t, p) }
     }
 }

@@ -1,10 +1,12 @@
-//! Insertion of one point, and of many in a [spatial order](super::order).
+//! Insertion of one point, and of many: one by one, or in [bulk](super::bulk).
 
 use glam::DVec3;
 
 use super::cavity::Cavity;
 use super::order::spatial_order;
-use super::topology::{tet_of, GHOST, MAX_VERTICES, NONE};
+use super::pass::POLL_INTERVAL;
+use super::site::Site;
+use super::topology::{tet_of, GHOST, MAX_VERTICES};
 use super::Triangulation;
 use crate::geometry::{check_points, check_range, Sign};
 use crate::{Control, Error};
@@ -18,8 +20,6 @@ pub struct Inserted {
     pub is_new: bool,
 }
 
-/// How far a bulk insertion may go between two looks at the control.
-const POLL_INTERVAL: usize = 256;
 /// Insertions smaller than this can't be cancelled half-way, and need no copy to go back to.
 const UNINTERRUPTED: usize = 1024;
 
@@ -47,6 +47,8 @@ impl Triangulation {
 
     /// Inserts points in a spatial order, numbers them in theirs behind all ids of before (a single point as [`insert`](Self::insert) does).
     /// Returns the vertex of each point; `None` when `control` cancelled the call. Then, as after an error, the triangulation is as it was before.
+    ///
+    /// Many points are inserted by [several threads](Self::set_threads) if there may be more than one; the result is the same in every byte.
     ///
     /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it already
     /// has tetrahedra and more than a thousand points come at once.
@@ -107,78 +109,6 @@ impl Triangulation {
             ids.extend(more);
             ids
         }))
-    }
-
-    /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
-    /// renumbered in the end.
-    fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let (base, present) = (self.points.len(), self.vertex_count());
-        let order = spatial_order(points);
-        let reserve = |what| Error::OutOfMemory { what };
-        self.points.try_reserve(points.len()).map_err(|_| reserve("points"))?;
-        self.topology.tets.try_reserve(points.len() * 7).map_err(|_| reserve("tetrahedra"))?;
-        self.filter.extend_all(points);
-        self.points.extend(order.iter().map(|&i| points[i as usize] + DVec3::ZERO));
-        let mut cavity = std::mem::take(&mut self.scratch);
-        let mut duplicates = Vec::new();
-        for done in 0..points.len() {
-            if done % POLL_INTERVAL == 0 {
-                let vertices = present + done - duplicates.len();
-                if !control.report("delaunay", done as f64 / points.len() as f64, vertices) {
-                    return Ok(None);
-                }
-            }
-            let vertex = (base + done) as u32;
-            let point = self.at(vertex);
-            let t = self.walk(point, self.last);
-            if let Some(at) = self.vertex_at(t, point) {
-                self.last = t;
-                duplicates.push((done, at));
-                continue;
-            }
-            self.find_cavity(&self.filter, point, t, &mut cavity);
-            self.commit(vertex, &mut cavity, false)?;
-        }
-        self.scratch = cavity;
-        let ids = self.number_in_input_order(base, points, &order, &duplicates);
-        control.report("delaunay", 1.0, self.vertex_count());
-        Ok(Some(ids))
-    }
-
-    /// Numbers the vertices from `base` on by their first occurrence in the input. `order` is the input's order of insertion;
-    /// `duplicates` are places in it, with the vertex that was there before. Returns the vertex of each input point.
-    fn number_in_input_order(
-        &mut self,
-        base: usize,
-        points: &[DVec3],
-        order: &[u32],
-        duplicates: &[(usize, u32)],
-    ) -> Vec<u32> {
-        let mut new_id: Vec<u32> = (0..base as u32).collect();
-        let mut ids: Vec<u32> = (base as u32..(base + points.len()) as u32).collect();
-        self.points.truncate(base);
-        if duplicates.is_empty() {
-            new_id.extend(order.iter().map(|&i| base as u32 + i));
-            self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
-        } else {
-            new_id.resize(base + points.len(), NONE);
-            for (done, &i) in order.iter().enumerate() {
-                ids[i as usize] = (base + done) as u32;
-            }
-            for &(done, at) in duplicates {
-                ids[order[done] as usize] = at;
-            }
-            for (id, &point) in ids.iter_mut().zip(points) {
-                let entry = &mut new_id[*id as usize];
-                if *entry == NONE {
-                    *entry = self.points.len() as u32;
-                    self.points.push(point + DVec3::ZERO);
-                }
-                *id = *entry;
-            }
-        }
-        self.topology.renumber(&new_id, self.points.len());
-        ids
     }
 
     /// Stores `point` as that vertex and inserts it. When it is not new or fails, the caller takes it off again.
@@ -254,7 +184,7 @@ impl Triangulation {
 
     /// Inserts the point of `vertex` into its cavity. Without `incidence`, `vertex_tet` is left for later.
     #[inline]
-    fn commit(&mut self, vertex: u32, cavity: &mut Cavity, incidence: bool) -> Result<(), Error> {
+    pub(super) fn commit(&mut self, vertex: u32, cavity: &mut Cavity, incidence: bool) -> Result<(), Error> {
         if !self.topology.has_room(cavity.faces.len()) {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
@@ -267,7 +197,10 @@ impl Triangulation {
     /// The corner of tetrahedron `t` that lies at `point`.
     #[inline]
     pub(crate) fn vertex_at(&self, t: u32, point: DVec3) -> Option<u32> {
-        self.topology.tet(t).v.into_iter().find(|&v| v != GHOST && self.at(v) == point)
+        debug_assert!(self.topology.tet(t).is_live());
+        assert!((t as usize) < self.topology.tets.len());
+        // SAFETY: it exists, and nothing changes the triangulation meanwhile.
+        unsafe { Site::of(self).vertex_at(t, point) }
     }
 
     /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does

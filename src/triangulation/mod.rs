@@ -8,7 +8,13 @@
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
 //! | `star` | the cavity replaced |
 //! | `locate` | where a point lies |
-//! | `insert` | one point, or many in a spatial order |
+//! | `insert` | one point, or a few |
+//! | `bulk` | many points in a spatial order |
+//! | `partition` | space divided among threads |
+//! | `pass` | insertions in all divisions at once, with the same result as one after the other |
+//! | `territory` | what a thread may touch |
+//! | `site` | the triangulation as the hot loops and the threads see it |
+//! | `threads` | work shared out |
 //! | `order` | that order: BRIO rounds along a Hilbert curve |
 //! | `lower` | points that span no volume yet |
 //! | `vertices` | vertex ids, and the gaps that removals leave |
@@ -17,14 +23,20 @@
 //! Cospherical points are decided by [symbolic perturbation](crate::geometry::perturbation), so the triangulation of a point set is
 //! unique: it depends on no order of insertion, and is the one that CGAL documents.
 
+mod bulk;
 pub mod cavity;
 mod insert;
 mod locate;
 mod lower;
 mod order;
+mod partition;
+mod pass;
 pub mod remove;
 mod search;
+mod site;
 mod star;
+mod territory;
+mod threads;
 pub mod topology;
 mod validate;
 mod vertices;
@@ -56,12 +68,29 @@ pub struct Triangulation {
     last: u32,
     scratch: Cavity,
     hole: remove::Scratch,
+    threads: Threads,
+}
+
+/// How many threads a bulk insertion may use; 0 for as many as there are processors.
+#[derive(Clone, Copy, Debug)]
+struct Threads(usize);
+
+impl Default for Threads {
+    fn default() -> Self {
+        Threads(1)
+    }
 }
 
 impl Triangulation {
     /// A triangulation without points.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// How many threads [`insert_many`](Self::insert_many) may use: 1 by default, 0 for as many as there are processors. They
+    /// make it faster and change nothing of the result, not even the order in which tetrahedra are stored.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = Threads(threads);
     }
 
     /// −1 without points, then the dimension that they span: 0 to 3.

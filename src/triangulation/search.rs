@@ -9,10 +9,14 @@
 //! *Cavity*: breadth first, one step per tetrahedron of the cavity. Its four neighbours have three corners each in common with
 //! it, so four new corners are all that has to be fetched for their four in-sphere tests. With `t` in hand and corner `i`
 //! replaced by the neighbour's, the determinant is that of the neighbour turned inside out.
+//!
+//! Both stop where their [territory](super::territory) ends.
 
 use glam::DVec3;
 
 use super::cavity::Cavity;
+use super::site::Site;
+use super::territory::{Everywhere, Territory};
 use super::topology::{slot_of, tet_of, Tetrahedron, GHOST};
 use super::Triangulation;
 use crate::geometry::lanes::{Lanes, Portable, POSITIONS};
@@ -29,13 +33,8 @@ impl Triangulation {
     #[inline]
     pub(crate) fn walk_with(&self, filter: &Filter, p: DVec3, start: u32) -> u32 {
         assert!((start as usize) < self.topology.tets.len());
-        #[cfg(target_arch = "x86_64")]
-        if Avx2::available() {
-            // SAFETY: the processor has what the function is compiled for; `start` exists.
-            return unsafe { walk_avx2(self, filter, p, start) };
-        }
-        // SAFETY: `start` exists.
-        unsafe { walk::<Portable>(self, filter, p, start) }
+        // SAFETY: `start` exists, and nothing changes the triangulation meanwhile.
+        unsafe { walk_to(Site::of(self), filter, p, start, Everywhere) }.0
     }
 
     /// Finds the cavity of `p`, starting from a tetrahedron in conflict with it. `p` must not be a vertex; the
@@ -44,63 +43,72 @@ impl Triangulation {
     pub(crate) fn find_cavity(&self, filter: &Filter, p: DVec3, start: u32, cavity: &mut Cavity) {
         debug_assert!(self.conflicts(filter, start, p));
         assert!((start as usize) < self.topology.tets.len());
-        #[cfg(target_arch = "x86_64")]
-        if Avx2::available() {
-            // SAFETY: the processor has what the function is compiled for; `start` exists.
-            return unsafe { search_avx2(self, filter, p, start, cavity) };
-        }
-        // SAFETY: `start` exists.
-        unsafe { search::<Portable>(self, filter, p, start, cavity) }
+        cavity.begin(self.topology.tets.len(), self.topology.tets.capacity());
+        // SAFETY: `start` exists, every tetrahedron has a mark, and nothing changes the triangulation meanwhile.
+        unsafe { search_from(Site::of(self), filter, p, start, cavity, Everywhere) };
     }
 }
 
-/// The triangulation as the loops see it: without bounds checks, which would be a fifth of their instructions.
-#[derive(Clone, Copy)]
-struct Unchecked<'a> {
-    tets: &'a [Tetrahedron],
-    points: &'a [DVec3],
+/// [`walk`] with the best lanes of this processor.
+///
+/// # Safety
+/// As there.
+#[inline]
+pub(super) unsafe fn walk_to<T: Territory>(site: Site, filter: &Filter, p: DVec3, start: u32, own: T) -> (u32, bool) {
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::available() {
+        // SAFETY: the processor has what the function is compiled for; the rest is the caller's promise.
+        return unsafe { walk_avx2(site, filter, p, start, own) };
+    }
+    // SAFETY: the caller's promise.
+    unsafe { walk::<Portable, T>(site, filter, p, start, own) }
 }
 
-impl<'a> Unchecked<'a> {
-    fn of(t: &'a Triangulation) -> Self {
-        Unchecked { tets: &t.topology.tets, points: &t.points }
+/// [`search`] with the best lanes of this processor.
+///
+/// # Safety
+/// As there.
+#[inline]
+pub(super) unsafe fn search_from<T: Territory>(
+    site: Site,
+    filter: &Filter,
+    p: DVec3,
+    start: u32,
+    cavity: &mut Cavity,
+    own: T,
+) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::available() {
+        // SAFETY: the processor has what the function is compiled for; the rest is the caller's promise.
+        return unsafe { search_avx2(site, filter, p, start, cavity, own) };
     }
-
-    /// # Safety
-    /// `t` is less than the number of tetrahedra: a start that was checked, or what a live tetrahedron names as its neighbour.
-    #[inline(always)]
-    unsafe fn tet(self, t: u32) -> &'a Tetrahedron {
-        debug_assert!(self.tets[t as usize].is_live());
-        // SAFETY: the caller's promise.
-        unsafe { self.tets.get_unchecked(t as usize) }
-    }
-
-    /// # Safety
-    /// `v` is a vertex of a live tetrahedron, and not the ghost.
-    #[inline(always)]
-    unsafe fn point(self, v: u32) -> &'a DVec3 {
-        debug_assert!((v as usize) < self.points.len());
-        // SAFETY: tetrahedra are made of vertices whose points are stored.
-        unsafe { self.points.get_unchecked(v as usize) }
-    }
+    // SAFETY: the caller's promise.
+    unsafe { search::<Portable, T>(site, filter, p, start, cavity, own) }
 }
 
 /// # Safety
 /// As [`walk`], on a processor with AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn walk_avx2(this: &Triangulation, filter: &Filter, p: DVec3, start: u32) -> u32 {
+unsafe fn walk_avx2<T: Territory>(site: Site, filter: &Filter, p: DVec3, start: u32, own: T) -> (u32, bool) {
     // SAFETY: the caller's promise.
-    unsafe { walk::<Avx2>(this, filter, p, start) }
+    unsafe { walk::<Avx2, T>(site, filter, p, start, own) }
 }
 
 /// # Safety
 /// As [`search`], on a processor with AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-unsafe fn search_avx2(this: &Triangulation, filter: &Filter, p: DVec3, start: u32, cavity: &mut Cavity) {
+unsafe fn search_avx2<T: Territory>(
+    site: Site,
+    filter: &Filter,
+    p: DVec3,
+    start: u32,
+    cavity: &mut Cavity,
+    own: T,
+) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { search::<Avx2>(this, filter, p, start, cavity) }
+    unsafe { search::<Avx2, T>(site, filter, p, start, cavity, own) }
 }
 
 // No closures and no `map` over lanes: what is not inlined always would be compiled for the plain processor.
@@ -124,30 +132,32 @@ fn with_lane<L: Lanes, const LANE: usize>(v: [L; 3], other: [L; 3]) -> [L; 3] {
     [v[0].with_lane::<LANE>(other[0]), v[1].with_lane::<LANE>(other[1]), v[2].with_lane::<LANE>(other[2])]
 }
 
+/// Returns the tetrahedron where the walk ended, and whether that is its goal: where it would have to cross a face with fewer than two
+/// own vertices, it stops.
+///
 /// # Safety
-/// `start` is the index of a live tetrahedron.
+/// `start` is the index of a live tetrahedron that may be read: the whole triangulation with [`Everywhere`], one with two own vertices otherwise.
 #[inline(always)]
-unsafe fn walk<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, start: u32) -> u32 {
+unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, start: u32, own: T) -> (u32, bool) {
     let goal = splat::<L>(&p);
     let bound = filter.orient_bound();
     let (above, below) = (L::splat(bound), L::splat(-bound));
-    let all = Unchecked::of(this);
     let mut t = start;
     // A ghost to start from says nothing of p and its face.
     // SAFETY: the caller's promise.
-    let first = unsafe { all.tet(t) };
+    let first = unsafe { site.tet(t) };
     if first.is_ghost() {
         t = tet_of(first.n[3]);
     }
     let mut open = 0b1111;
     loop {
         // SAFETY: the start, or the neighbour of a live tetrahedron.
-        let tet = unsafe { all.tet(t) };
+        let tet = unsafe { site.tet(t) };
         if tet.is_ghost() {
-            return t;
+            return (t, true);
         }
         // SAFETY: vertices of a live tetrahedron without the ghost.
-        let corners = unsafe { tet.v.map(|v| all.point(v)) };
+        let corners = unsafe { tet.v.map(|v| site.point(v)) };
         // Lane i: the three corners other than i.
         let u = rotate(relative(L::load(corners), goal));
         let v = rotate(u);
@@ -163,13 +173,29 @@ unsafe fn walk<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, start:
             leave |= unsure_faces(filter, corners, p, unsure);
         }
         if leave == 0 {
-            return t;
+            return (t, true);
         }
-        let face = tet.n[leave.trailing_zeros() as usize & 3];
+        let mut slot = leave.trailing_zeros() as usize & 3;
+        // SAFETY: vertices of a live tetrahedron.
+        let mine = unsafe { own.of::<L>(&tet.v) };
+        if mine != 0b1111 {
+            match crossable(leave, mine) {
+                Some(other) => slot = other,
+                None => return (t, false),
+            }
+        }
+        let face = tet.n[slot];
         t = tet_of(face);
         // p is on the far side of the face that leads back.
         open = 0b1111 & !(1 << slot_of(face));
     }
+}
+
+/// One of the faces in `leave`, any of which leads on, that has two own vertices; `mine` are the slots with own vertices.
+#[cold]
+#[inline(never)]
+fn crossable(leave: u32, mine: u32) -> Option<usize> {
+    (0..4).find(|slot| leave >> slot & 1 == 1 && (mine & !(1 << slot)).count_ones() >= 2)
 }
 
 /// Those of the faces in `unsure` that separate from `p`.
@@ -188,15 +214,22 @@ fn unsure_faces(filter: &Filter, corners: [&DVec3; 4], p: DVec3, unsure: u32) ->
         .sum()
 }
 
+/// Returns whether the cavity was found: where it reaches beyond the territory, the search ends.
+///
 /// # Safety
-/// `start` is the index of a live tetrahedron.
+/// `start` is the index of a live tetrahedron that may be read, and `cavity` is empty with marks for all tetrahedra.
 #[inline(always)]
-unsafe fn search<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, start: u32, cavity: &mut Cavity) {
-    cavity.begin(this.topology.tets.len(), this.topology.tets.capacity());
+unsafe fn search<L: Lanes, T: Territory>(
+    site: Site,
+    filter: &Filter,
+    p: DVec3,
+    start: u32,
+    cavity: &mut Cavity,
+    own: T,
+) -> bool {
     let centre = splat::<L>(&p);
     let bound = filter.insphere_bound();
     let (above, below) = (L::splat(bound), L::splat(-bound));
-    let all = Unchecked::of(this);
     let Cavity { marks, tets, faces, queue, .. } = cavity;
     let marks = &mut marks[..];
     // Lengths are kept here while the loop runs.
@@ -228,23 +261,36 @@ unsafe fn search<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, star
         unsafe { tets.as_mut_ptr().add(tets_len).write(t) };
         tets_len += 1;
         // SAFETY: the start, or the neighbour of a live tetrahedron.
-        let tet = unsafe { all.tet(t) };
+        let tet = unsafe { site.tet(t) };
+        // SAFETY: vertices of a live tetrahedron.
+        let mine = unsafe { own.of::<L>(&tet.v) };
+        // SAFETY: a live tetrahedron that may be read.
+        if mine != 0b1111 && !unsafe { may_go(site, tet, mine, own) } {
+            // SAFETY: as many have been written.
+            unsafe {
+                tets.set_len(tets_len);
+                faces.set_len(faces_len);
+                queue.set_len(queue_len);
+            }
+            return false;
+        }
         let conflict = if tet.is_ghost() {
-            exact_conflicts(this, filter, tet, p, open, 0)
+            // SAFETY: neighbours of a tetrahedron that may go.
+            unsafe { exact_conflicts(site, filter, tet, p, open, 0) }
         } else {
             // A ghost gets some other corner instead, so that the determinant has two equal rows and decides nothing.
             // SAFETY: neighbours and vertices of live tetrahedra.
             let apexes: [&DVec3; 4] = unsafe {
                 let apex = |slot: usize| {
                     let face = tet.n[slot];
-                    let v = all.tet(tet_of(face)).v[slot_of(face)];
-                    all.point(if v == GHOST { tet.v[slot ^ 1] } else { v })
+                    let v = site.tet(tet_of(face)).v[slot_of(face)];
+                    site.point(if v == GHOST { tet.v[slot ^ 1] } else { v })
                 };
                 [apex(0), apex(1), apex(2), apex(3)]
             };
             let apexes = relative(L::load(apexes), centre);
             // SAFETY: vertices of a live tetrahedron without the ghost.
-            let [a, b, c, d] = unsafe { tet.v.map(|v| all.point(v)) };
+            let [a, b, c, d] = unsafe { tet.v.map(|v| site.point(v)) };
             let a = with_lane::<L, 0>(relative(splat(a), centre), apexes);
             let b = with_lane::<L, 1>(relative(splat(b), centre), apexes);
             let c = with_lane::<L, 2>(relative(splat(c), centre), apexes);
@@ -259,7 +305,8 @@ unsafe fn search<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, star
                 conflict |= inside & unsure;
                 let unsure = unsure & !(inside | outside);
                 if unsure != 0 {
-                    conflict |= exact_conflicts(this, filter, tet, p, unsure, on);
+                    // SAFETY: neighbours of a tetrahedron that may go.
+                    conflict |= unsafe { exact_conflicts(site, filter, tet, p, unsure, on) };
                 }
             }
             conflict
@@ -283,7 +330,7 @@ unsafe fn search<L: Lanes>(this: &Triangulation, filter: &Filter, p: DVec3, star
                     faces.set_len(faces_len);
                     queue.set_len(queue_len);
                 }
-                return;
+                return true;
             }
             // SAFETY: this one has been written.
             let face = unsafe { *queue.as_ptr().add(next) };
@@ -314,17 +361,51 @@ unsafe fn write_four(list: &mut Vec<u32>, at: usize, values: [u32; 4]) {
     unsafe { list.as_mut_ptr().add(at).cast::<[u32; 4]>().write_unaligned(values) }
 }
 
-/// Those of the neighbours of `tet` in `slots` that are in conflict with `p`, one by one. Those in `on` that are not ghosts are known to
-/// have it on their spheres.
+/// Whether a tetrahedron not all of whose vertices are own may go, and its neighbours be linked anew; `mine` are the slots with own
+/// vertices. See [`territory`](super::territory).
+///
+/// # Safety
+/// `tet` is live and may be read.
 #[cold]
 #[inline(never)]
-fn exact_conflicts(this: &Triangulation, filter: &Filter, tet: &Tetrahedron, p: DVec3, slots: u32, on: u32) -> u32 {
+unsafe fn may_go<T: Territory>(site: Site, tet: &Tetrahedron, mine: u32, own: T) -> bool {
+    if mine.count_ones() < 3 {
+        return false;
+    }
+    // With its three own vertices a ghost has all that it needs for its neighbours too.
+    tet.is_ghost()
+        || (0..4).all(|slot| {
+            // The face opposite the foreign vertex has three own ones, the others two.
+            mine >> slot & 1 == 0 || {
+                let face = tet.n[slot];
+                // SAFETY: a neighbour across a face with two own vertices, and its vertices.
+                unsafe {
+                    let mut v = site.tet(tet_of(face)).v;
+                    let apex = v[slot_of(face)];
+                    v[0] = apex;
+                    apex == GHOST || own.of::<Portable>(&v) & 1 == 1
+                }
+            }
+        })
+}
+
+/// Those of the neighbours of `tet` in `slots` that are in conflict with `p`, one by one. Those in `on` that are not ghosts are known to
+/// have it on their spheres.
+///
+/// # Safety
+/// `tet` is live, and it may be replaced.
+#[cold]
+#[inline(never)]
+unsafe fn exact_conflicts(site: Site, filter: &Filter, tet: &Tetrahedron, p: DVec3, slots: u32, on: u32) -> u32 {
     let conflicts = |slot: usize| {
         let t = tet_of(tet.n[slot]);
-        if on >> slot & 1 == 1 && !this.topology.tet(t).is_ghost() {
-            perturbed(filter, this.corners(t), p)
-        } else {
-            this.conflicts(filter, t, p)
+        // SAFETY: neighbours of a tetrahedron that may be replaced may be read.
+        unsafe {
+            if on >> slot & 1 == 1 && !site.tet(t).is_ghost() {
+                perturbed(filter, site.corners(t), p)
+            } else {
+                site.conflicts(filter, t, p)
+            }
         }
     };
     (0..4).filter(|&slot| slots >> slot & 1 == 1 && conflicts(slot)).map(|slot| 1 << slot).sum()
@@ -357,10 +438,14 @@ mod tests {
         let (mut fast, mut portable) = (Cavity::default(), Cavity::default());
         for &p in &points[1900..] {
             let start = t.walk_with(&filter, p, t.recent());
-            // SAFETY: live tetrahedra.
-            assert_eq!(unsafe { walk::<Portable>(&t, &filter, p, t.recent()) }, start);
+            // SAFETY: live tetrahedra, and marks for all of them.
+            unsafe {
+                let found = walk::<Portable, _>(Site::of(&t), &filter, p, t.recent(), Everywhere);
+                assert_eq!(found, (start, true));
+                portable.begin(t.topology.tets.len(), t.topology.tets.capacity());
+                assert!(search::<Portable, _>(Site::of(&t), &filter, p, start, &mut portable, Everywhere));
+            }
             t.find_cavity(&filter, p, start, &mut fast);
-            unsafe { search::<Portable>(&t, &filter, p, start, &mut portable) };
             assert_eq!((&fast.tets, &fast.faces), (&portable.tets, &portable.faces));
             // And what one predicate after the other says.
             let all: Vec<u32> = t.topology.live().filter(|&t_| t.conflicts(&filter, t_, p)).collect();

@@ -5,8 +5,9 @@
 //! and read in a second, without clearing, hashing or branches. Only cavities with more than
 //! 256 vertices are sorted instead.
 
-use super::cavity::Cavity;
-use super::topology::{slot_of, tet_of, Topology, EVEN_REST, GHOST, NONE};
+use super::cavity::{zeroed, Cavity};
+use super::site::Site;
+use super::topology::{slot_of, tet_of, Tetrahedron, EVEN_REST, GHOST, NONE};
 use super::Triangulation;
 
 /// A tetrahedron to come: its slots are free only once all of them have been read.
@@ -63,38 +64,55 @@ impl Triangulation {
     #[inline]
     pub(super) fn fill_cavity(&mut self, new: u32, cavity: &mut Cavity, incidence: bool) {
         let topology = &mut self.topology;
-        let Cavity { marks, tets, faces, queue, created, star } = cavity;
-        for &t in tets.iter() {
-            marks[t as usize] = 0;
-        }
-        topology.allocate(tets, faces.len(), created);
+        let count = cavity.faces.len();
+        topology.allocate(&cavity.tets, count, &mut cavity.created);
         if !topology.region.is_empty() {
             // Slots are reused at once: read the labels before they are overwritten.
-            star.regions.clear();
-            star.regions.extend(faces.iter().map(|&face| topology.region[tet_of(face) as usize]));
-            for (&t, &region) in created.iter().zip(&star.regions) {
+            let regions = &mut cavity.star.regions;
+            regions.clear();
+            regions.extend(cavity.faces.iter().map(|&face| topology.region[tet_of(face) as usize]));
+            for (&t, &region) in cavity.created.iter().zip(regions.iter()) {
                 topology.region[t as usize] = region;
             }
         }
-        match faces.len() {
-            n if n <= faces_of(SMALL) => star.build::<SMALL>(topology, self.points.len(), new, faces, created),
-            n if n <= faces_of(LARGE) => star.build::<LARGE>(topology, self.points.len(), new, faces, created),
-            _ => star.build_by_sorting(topology, new, faces, created),
-        }
-        topology.release(tets, faces.len());
+        // SAFETY: the cavity is one of this triangulation, which has not changed since, and this is its only user.
+        topology.ghosts += unsafe { cavity.fill(Site::new(&mut topology.tets, &self.points), new) };
+        topology.release(&cavity.tets, count);
         if incidence {
-            for &t in created.iter() {
+            for &t in &cavity.created {
                 for v in topology.tet(t).v {
                     if v != GHOST {
                         topology.vertex_tet[v as usize] = t;
                     }
                 }
             }
-            topology.vertex_tet[new as usize] = created[0];
+            topology.vertex_tet[new as usize] = cavity.created[0];
         }
-        tets.clear();
-        faces.clear();
-        queue.clear();
+        cavity.clear_lists();
+    }
+}
+
+impl Cavity {
+    /// Writes the star of vertex `new` to the places that are listed in `created`, one for each of the cavity's faces; the cavity's own places
+    /// come first. Returns how many ghosts it has. The marks are taken back, the lists are not.
+    ///
+    /// # Safety
+    /// The cavity is one of `site` as it is. Its tetrahedra, their neighbours, and what is at the places are nobody else's.
+    #[inline]
+    pub(super) unsafe fn fill(&mut self, site: Site, new: u32) -> usize {
+        let Cavity { marks, tets, faces, created, star, .. } = self;
+        debug_assert_eq!(faces.len(), created.len());
+        for &t in tets.iter() {
+            marks[t as usize] = 0;
+        }
+        // SAFETY: the caller's promise.
+        unsafe {
+            match faces.len() {
+                n if n <= faces_of(SMALL) => star.build::<SMALL>(site, new, faces, created),
+                n if n <= faces_of(LARGE) => star.build::<LARGE>(site, new, faces, created),
+                _ => star.build_by_sorting(site, new, faces, created),
+            }
+        }
     }
 }
 
@@ -108,14 +126,10 @@ fn with(v: [u32; 4], slot: usize, new: u32) -> [u32; 4] {
 }
 
 impl StarBuilder {
-    fn build<const SIZE: usize>(
-        &mut self,
-        topology: &mut Topology,
-        vertices: usize,
-        new: u32,
-        faces: &[u32],
-        created: &[u32],
-    ) {
+    /// # Safety
+    /// As [`Cavity::fill`].
+    unsafe fn build<const SIZE: usize>(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
+        let vertices = site.points().len();
         if self.labels.len() < vertices + 1 {
             self.labels.resize((vertices + 1).next_power_of_two().max(64), 0);
         }
@@ -146,7 +160,8 @@ impl StarBuilder {
             label as u8
         };
         for ((&face, &t), planned) in faces.iter().zip(created).zip(planned.iter_mut()) {
-            let (tet, slot) = (topology.tet(tet_of(face)), slot_of(face));
+            // SAFETY: a tetrahedron of the cavity.
+            let (tet, slot) = (unsafe { site.tet(tet_of(face)) }, slot_of(face));
             let [i, j, k] = REST[slot].map(|i| i as usize & 3);
             let (a, b, c) = (label(tet.v[i]), label(tet.v[j]), label(tet.v[k]));
             table[at(b, c)] = 4 * t + i as u32;
@@ -158,39 +173,49 @@ impl StarBuilder {
             planned.labels = [a, b, c];
         }
         debug_assert_eq!(faces.len(), faces_of(count as usize));
-        let tets = &mut topology.tets[..];
         let mut ghosts = 0;
         for (planned, &t) in planned.iter().zip(created) {
             let &Planned { v, outside, slot, labels: [a, b, c] } = planned;
             let slot = slot as usize & 3;
             let [i, j, k] = REST[slot].map(|i| i as usize & 3);
             ghosts += usize::from(v[3] == GHOST);
-            let tet = &mut tets[t as usize];
-            tet.v = v;
-            tet.n[slot] = outside;
-            tet.n[i] = table[at(c, b)];
-            tet.n[j] = table[at(a, c)];
-            tet.n[k] = table[at(b, a)];
-            tets[tet_of(outside) as usize].n[slot_of(outside)] = 4 * t + slot as u32;
+            // SAFETY: a place of the star, and a neighbour of the cavity.
+            unsafe {
+                // Not a whole tetrahedron at once: it would be read just after it was written in parts.
+                site.set_vertices(t, v);
+                site.link(4 * t + slot as u32, outside);
+                site.link(4 * t + i as u32, table[at(c, b)]);
+                site.link(4 * t + j as u32, table[at(a, c)]);
+                site.link(4 * t + k as u32, table[at(b, a)]);
+                site.link(outside, 4 * t + slot as u32);
+            }
         }
-        topology.ghosts += ghosts;
+        ghosts
     }
 
     /// For stars of any size: the two faces of an edge become neighbours in sorted order.
+    ///
+    /// # Safety
+    /// As [`Cavity::fill`].
     #[cold]
-    fn build_by_sorting(&mut self, topology: &mut Topology, new: u32, faces: &[u32], created: &[u32]) {
+    unsafe fn build_by_sorting(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
         let plan = |&face: &u32| {
-            let (tet, slot) = (topology.tet(tet_of(face)), slot_of(face));
+            // SAFETY: a tetrahedron of the cavity.
+            let (tet, slot) = (unsafe { site.tet(tet_of(face)) }, slot_of(face));
             Planned { v: with(tet.v, slot, new), outside: tet.n[slot], slot: slot as u8, labels: [0; 3] }
         };
         self.planned.clear();
         self.planned.extend(faces.iter().map(plan));
         self.sorted.clear();
+        let mut ghosts = 0;
         for (planned, &t) in self.planned.iter().zip(created) {
             let slot = planned.slot as usize;
-            topology.ghosts += usize::from(planned.v[3] == GHOST);
-            topology.tets[t as usize].v = planned.v;
-            topology.join(4 * t + slot as u32, planned.outside);
+            ghosts += usize::from(planned.v[3] == GHOST);
+            // SAFETY: a place of the star, and a neighbour of the cavity.
+            unsafe {
+                site.put(t, Tetrahedron { v: planned.v, n: [planned.outside; 4] });
+                site.link(planned.outside, 4 * t + slot as u32);
+            }
             for j in REST[slot].map(usize::from) {
                 let [k, l] = EVEN_REST[slot][j].map(|i| planned.v[i]);
                 self.sorted.push((u64::from(k.min(l)) << 32 | u64::from(k.max(l)), 4 * t + j as u32));
@@ -199,7 +224,17 @@ impl StarBuilder {
         self.sorted.sort_unstable();
         for pair in self.sorted.chunks_exact(2) {
             debug_assert_eq!(pair[0].0, pair[1].0);
-            topology.join(pair[0].1, pair[1].1);
+            // SAFETY: places of the star.
+            unsafe {
+                site.link(pair[0].1, pair[1].1);
+                site.link(pair[1].1, pair[0].1);
+            }
         }
+        ghosts
+    }
+
+    /// Memory for stars among that many vertices, or `false` where there is none.
+    pub fn reserve(&mut self, vertices: usize) -> bool {
+        self.labels.len() > vertices || zeroed(vertices + 1).map(|labels| self.labels = labels).is_some()
     }
 }

@@ -6,6 +6,10 @@
 //! *face handle* `4·tetrahedron + slot`, which also names the face as the neighbour sees it, so that no search is needed on
 //! the way back (C. Marot, J. Pellerin, J.-F. Remacle, "One machine, one minute, three billion tetrahedra", IJNME 117, 2019).
 
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use super::threads::share_out;
+
 /// The vertex at infinity.
 pub const GHOST: u32 = u32::MAX;
 /// In slot 0 of a tetrahedron that is on the free list.
@@ -52,6 +56,9 @@ pub const EVEN_REST: [[[usize; 2]; 4]; 4] = {
 };
 
 impl Tetrahedron {
+    /// One on the free list.
+    pub(super) const DEAD: Tetrahedron = Tetrahedron { v: [DEAD; 4], n: [NONE; 4] };
+
     /// Whether it hangs on the hull's outside.
     #[inline]
     pub fn is_ghost(&self) -> bool {
@@ -87,7 +94,7 @@ pub struct Topology {
     pub vertex_tet: Vec<u32>,
     /// One label a tetrahedron, inherited by what replaces it; empty until a domain asks for labels.
     pub region: Vec<u16>,
-    free: Vec<u32>,
+    pub(super) free: Vec<u32>,
     pub(super) ghosts: usize,
 }
 
@@ -167,7 +174,7 @@ impl Topology {
             slots.push(match self.free.pop() {
                 Some(t) => t,
                 None => {
-                    self.tets.push(Tetrahedron { v: [DEAD; 4], n: [NONE; 4] });
+                    self.tets.push(Tetrahedron::DEAD);
                     if !self.region.is_empty() {
                         self.region.push(0);
                     }
@@ -239,23 +246,31 @@ impl Topology {
     }
 
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices.
-    pub fn renumber(&mut self, new_id: &[u32], count: usize) {
-        // First by old ids, which are neighbours in memory where the vertices are in space.
-        let mut incident = vec![NONE; new_id.len()];
-        for (t, tet) in self.tets.iter_mut().enumerate() {
-            if !tet.is_live() {
-                continue;
-            }
-            for v in &mut tet.v {
-                if *v != GHOST {
-                    incident[*v as usize] = t as u32;
-                    *v = new_id[*v as usize];
+    pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize) {
+        const PART: usize = 1 << 16;
+        // First by old ids, which are neighbours in memory where the vertices are in space. The first of a vertex's tetrahedra counts, whoever
+        // comes first, and most of the others need but a look.
+        let incident: Vec<AtomicU32> = (0..new_id.len()).map(|_| AtomicU32::new(NONE)).collect();
+        share_out(threads, self.tets.chunks_mut(PART).enumerate(), |(part, tets)| {
+            for (tet, t) in tets.iter_mut().zip((part * PART) as u32..) {
+                if !tet.is_live() {
+                    continue;
+                }
+                for v in &mut tet.v {
+                    if *v != GHOST {
+                        let first = &incident[*v as usize];
+                        if first.load(Relaxed) > t {
+                            first.fetch_min(t, Relaxed);
+                        }
+                        *v = new_id[*v as usize];
+                    }
                 }
             }
-        }
+        });
         self.vertex_tet.clear();
         self.vertex_tet.resize(count, NONE);
-        for (&t, &v) in incident.iter().zip(new_id) {
+        for (t, &v) in incident.into_iter().zip(new_id) {
+            let t = t.into_inner();
             if t != NONE {
                 self.vertex_tet[v as usize] = t;
             }
@@ -285,7 +300,7 @@ impl Topology {
         for tet in &mut self.tets {
             tet.n = tet.n.map(|face| 4 * place[tet_of(face) as usize] + slot_of(face) as u32);
         }
-        self.renumber(new_id, count);
+        self.renumber(new_id, count, 1);
         self.vertex_tet.shrink_to_fit();
         place.get(keep as usize).copied().unwrap_or(0)
     }

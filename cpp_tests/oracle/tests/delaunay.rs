@@ -176,3 +176,33 @@ fn a_refused_call_inserts_nothing() {
         }
     }
 }
+
+/// Enough points to be divided among threads.
+#[test]
+fn points_divided_among_threads() {
+    let mut state = 3u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let n = 80_000;
+    let uniform: Vec<Point> = (0..n).map(|_| [next(), next(), next()]).collect();
+    let mut sphere: Vec<Point> = Vec::new();
+    while sphere.len() < n {
+        let p = DVec3::new(next(), next(), next()) * 2.0 - 1.0;
+        if p.length() > 0.1 {
+            sphere.push((p.normalize() * (0.999 + 0.002 * next())).to_array());
+        }
+    }
+    let tenths: Vec<Point> =
+        (0..44 * 44 * 42).map(|i| [i % 44, i / 44 % 44, i / 1936].map(|x| f64::from(x) * 0.1)).collect();
+    let mut clusters: Vec<Point> =
+        (0..n).map(|i| [(i % 3) as f64 + 1e-6 * next(), next() * 1e-6, (i % 2) as f64 + 1e-6 * next()]).collect();
+    clusters.extend_from_within(..2_000);
+    for points in [uniform, sphere, tenths, clusters] {
+        let mut triangulation = wellspaced::Triangulation::new();
+        triangulation.set_threads(2);
+        let ids = triangulation.insert_many(&dvecs(&points), &Control::default()).unwrap().unwrap();
+        same_as_cgal(&triangulation, &points, &ids).unwrap();
+    }
+}

@@ -30,7 +30,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     let mut seconds = Seconds::default();
     let input = open(files, &mut seconds)?;
     let bar = Bar::new("refine");
-    let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
+    let refined = refined(&input.content, files.threads as usize, &options, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
     drop(bar);
     save(files, &mesh, report.input_vertices, &mut seconds)?;
@@ -52,17 +52,18 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     )
 }
 
-/// Triangulates and refines: a domain as given, points in their convex hull.
+/// Triangulates, on so many threads, and refines: a domain as given, points in their convex hull.
 pub fn refined(
     content: &Content,
+    threads: usize,
     options: &RefineOptions,
     control: &Control,
     seconds: &mut Seconds,
 ) -> Result<(Mesh, RefineReport), Error> {
     let mut mesh = timed(&mut seconds.delaunay, || match content {
-        Content::Domain(plc) => Mesh::from_plc(plc, control),
+        Content::Domain(plc) => Mesh::from_plc_on(threads, plc, control),
         Content::Points(points) => {
-            let mut mesh = triangulated(points, control)?;
+            let mut mesh = triangulated(points, threads, control)?;
             mesh.use_hull_as_domain()?;
             Ok(mesh)
         }
@@ -78,7 +79,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
     let input = open(files, &mut seconds)?;
     let bar = Bar::new("delaunay");
     let control = bar.control();
-    let mesh = timed(&mut seconds.delaunay, || triangulated(input.content.points(), &control));
+    let mesh = timed(&mut seconds.delaunay, || triangulated(input.content.points(), files.threads as usize, &control));
     let mesh = mesh.map_err(|error| input.source.explain(&error))?;
     drop(bar);
     let vertices = mesh.triangulation().vertex_count();
@@ -103,8 +104,9 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
     )
 }
 
-fn triangulated(points: &[DVec3], control: &Control) -> Result<Mesh, Error> {
+fn triangulated(points: &[DVec3], threads: usize, control: &Control) -> Result<Mesh, Error> {
     let mut mesh = Mesh::new();
+    mesh.set_threads(threads);
     mesh.insert(points, None, control)?;
     Ok(mesh)
 }

@@ -159,9 +159,17 @@ fn unknown_struct_sizes_are_refused() {
         expect(WSP_ERR_STRUCT_SIZE, wsp_triangulation_new(&options, &mut out));
         assert!(out.is_null());
         done(wsp_triangulation_options_init(&mut options, size_of::<wsp_triangulation_options>()));
+        assert_eq!((options.flags, options.threads), (0, 1));
         options.flags = 4;
         expect(WSP_ERR_OPTION, wsp_triangulation_new(&options, &mut out));
         assert!(out.is_null());
+        (options.flags, options.threads) = (0, 1025);
+        expect(WSP_ERR_OPTION, wsp_triangulation_new(&options, &mut out));
+        assert!(out.is_null());
+        // The first version's struct has no threads: what stands there is not looked at.
+        options.struct_size = 8;
+        done(wsp_triangulation_new(&options, &mut out));
+        wsp_triangulation_free(out);
     }
     assert_eq!(t.counts().0, 20);
 }

@@ -305,3 +305,22 @@ fn a_reader_that_goes_away_is_no_failure() {
     let output = child.wait_with_output().unwrap();
     assert_eq!((&first, output.status.code(), output.stderr), (b"10008", Some(0), vec![]));
 }
+
+#[test]
+fn threads_change_nothing() {
+    let folder = folder("threads");
+    let points: String = (0..70_000u64)
+        .map(|i| {
+            let digits = |k: u64| (i.wrapping_mul(k) >> 7) % 100_003;
+            format!("{} {} {}\n", digits(0x9e37_79b9_7f4a), digits(0xbf58_476d_1ce5), digits(0x94d0_49bb_1331))
+        })
+        .collect();
+    fs::write(folder.join("points.xyz"), points).unwrap();
+    let mesh = |threads: &str| {
+        stdout(&folder, &["delaunay", "points.xyz", "--threads", threads, "--output", "mesh.node"]);
+        ["mesh.node", "mesh.ele"].map(|name| fs::read(folder.join(name)).unwrap())
+    };
+    let one = mesh("1");
+    assert!(one == mesh("2") && one == mesh("0"));
+    assert_eq!(failure(&folder, &["delaunay", "points.xyz", "--threads", "1025"]).0, 2);
+}

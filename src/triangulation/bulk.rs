@@ -1,0 +1,273 @@
+//! Insertion of many points in a [spatial order](super::order): the first rounds by one thread, then in
+//! [territories](super::partition) on as many threads as the caller allows.
+
+use glam::DVec3;
+
+use super::cavity::Cavity;
+use super::order::{Round, SpatialOrder};
+use super::partition::{sample, AnyTerritory, Division, Partition, Planes, MAX_DEPTH};
+use super::pass::{Pass, BLOCK, POLL_INTERVAL};
+use super::site::Site;
+use super::territory::Territory;
+use super::threads;
+use super::topology::NONE;
+use super::Triangulation;
+use crate::geometry::lanes::Portable;
+use crate::{Control, Error};
+
+/// Vertices of before are nobody's if they are not more than one in so many.
+const FEW_OTHERS: usize = 64;
+/// Zones are divided no further than by this depth.
+const ZONE_DEPTH: u32 = 2;
+/// How many points of a block are tried as a start.
+const STARTS: usize = 8;
+
+/// Threads, and memory for each.
+struct Helpers {
+    threads: usize,
+    cavities: Vec<Cavity>,
+}
+
+/// How far a bulk insertion has come.
+struct Progress<'a> {
+    control: &'a Control,
+    /// Points to insert.
+    total: usize,
+    /// Points done.
+    done: usize,
+    /// Vertices before.
+    present: usize,
+    /// Vertices that are not needed, and those that were there before.
+    duplicates: Vec<(u32, u32)>,
+}
+
+impl Progress<'_> {
+    /// Reports, with so many more points done; `false` to stop.
+    fn report(&self, more: usize) -> bool {
+        let done = self.done + more;
+        let vertices = self.present + done.saturating_sub(self.duplicates.len());
+        self.control.report("delaunay", done as f64 / self.total as f64, vertices)
+    }
+}
+
+impl Triangulation {
+    /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
+    /// renumbered in the end.
+    pub(super) fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
+        let threads = threads::count(self.threads.0).min(1 << MAX_DEPTH);
+        let (base, present) = (self.points.len(), self.vertex_count());
+        let SpatialOrder { order, mut rounds, ends } = SpatialOrder::new(points, threads);
+        let no_memory = |what| Error::OutOfMemory { what };
+        self.points.try_reserve(points.len()).map_err(|_| no_memory("points"))?;
+        // Seven for each point, and what divided places leave unused.
+        self.topology.tets.try_reserve(points.len() / 2 * 15).map_err(|_| no_memory("tetrahedra"))?;
+        self.filter.extend_all(points);
+        self.points.extend(order.iter().map(|&i| points[i as usize] + DVec3::ZERO));
+        let mut progress = Progress { control, total: points.len(), done: 0, present, duplicates: Vec::new() };
+        let mut helpers = Helpers { threads, cavities: Vec::new() };
+        for round in &mut rounds {
+            round.zone.iter_mut().chain(&mut round.rest).for_each(|v| *v += base as u32);
+        }
+        for i in 0..rounds.len() {
+            let (before, round) = (&rounds[..i], &rounds[i]);
+            // Labels of regions would have to be shared, too; there is no bulk insertion once there are some.
+            let goes_on = if round.depth == 0 || !self.topology.region.is_empty() {
+                self.insert_all_of(round.vertices().map(|v| (v, NONE)), &mut progress)?
+            } else {
+                let ends = ends.chunks(ends.len() >> round.depth).filter_map(|ends| ends.last());
+                let firsts = [0].iter().chain(ends).map(|&i| (base + i) as u32).collect();
+                self.insert_divided(base, (before, round), firsts, &mut helpers, &mut progress)?
+            };
+            if !goes_on {
+                return Ok(None);
+            }
+        }
+        drop((rounds, helpers));
+        // Vertices to positions in the order.
+        let duplicates: Vec<(usize, u32)> =
+            progress.duplicates.iter().map(|&(v, at)| (v as usize - base, at)).collect();
+        let ids = self.number_in_input_order(base, points, &order, &duplicates, threads);
+        control.report("delaunay", 1.0, self.vertex_count());
+        Ok(Some(ids))
+    }
+
+    /// Inserts vertices whose points are stored, one after the other, each with a tetrahedron near it, or one that was there once, or [`NONE`];
+    /// `false` when cancelled.
+    fn insert_all_of(
+        &mut self,
+        vertices: impl Iterator<Item = (u32, u32)>,
+        progress: &mut Progress,
+    ) -> Result<bool, Error> {
+        let mut cavity = std::mem::take(&mut self.scratch);
+        for (turn, (vertex, hint)) in vertices.enumerate() {
+            if turn % POLL_INTERVAL == 0 && !progress.report(0) {
+                return Ok(false);
+            }
+            progress.done += 1;
+            let point = self.at(vertex);
+            let start = if self.is_live(hint) { hint } else { self.last };
+            let t = self.walk(point, start);
+            if let Some(at) = self.vertex_at(t, point) {
+                self.last = t;
+                progress.duplicates.push((vertex, at));
+                continue;
+            }
+            self.find_cavity(&self.filter, point, t, &mut cavity);
+            self.commit(vertex, &mut cavity, false)?;
+        }
+        self.scratch = cavity;
+        Ok(true)
+    }
+
+    /// Inserts the vertices of a round: those in its zone first, which is divided another way, then all others; in the end
+    /// those that reached beyond their territories, one by one. `firsts` are the territories' first ids. `false` when cancelled.
+    fn insert_divided(
+        &mut self,
+        base: usize,
+        (before, round): (&[Round], &Round),
+        firsts: Vec<u32>,
+        helpers: &mut Helpers,
+        progress: &mut Progress,
+    ) -> Result<bool, Error> {
+        let present = || (0..base as u32).chain(before.iter().flat_map(Round::vertices));
+        let divide = |this: &Self, vertices: &[u32], depth, planes| {
+            let points: Vec<DVec3> = vertices.iter().map(|&v| this.at(v)).collect();
+            let division = Division::new(sample(&points, depth), points.len(), depth, planes);
+            division.share(&this.points, vertices, present())
+        };
+        let (zone, inner) = if base <= round.rest.len() / FEW_OTHERS {
+            // Vertices of before are nobody's.
+            (round.zone.clone(), Partition::of_ids(round.rest.clone(), firsts))
+        } else {
+            // They have ids of any order.
+            let mut all: Vec<u32> = round.vertices().collect();
+            all.sort_unstable();
+            divide(self, &all, round.depth, Planes::AlongAxes)
+        };
+        let (zone, outer) = divide(self, &zone, round.depth.min(ZONE_DEPTH), Planes::Oblique);
+        if !self.insert_all_of(zone.into_iter().map(|v| (v, NONE)), progress)? {
+            return Ok(false);
+        }
+        let mut put_off = Vec::new();
+        for partition in [outer, inner] {
+            if !self.insert_pass(&partition, helpers, progress, &mut put_off)? {
+                return Ok(false);
+            }
+        }
+        self.insert_all_of(put_off.into_iter(), progress)
+    }
+
+    /// One pass over the territories; `false` when cancelled. What has to be put off is added to the list.
+    fn insert_pass(
+        &mut self,
+        partition: &Partition,
+        helpers: &mut Helpers,
+        progress: &mut Progress,
+        put_off: &mut Vec<(u32, u32)>,
+    ) -> Result<bool, Error> {
+        let territories = partition.count();
+        let starts: Vec<Vec<u32>> = (0..territories).map(|i| self.starts_in(partition, i)).collect();
+        let (room, vertices) = (self.topology.tets.capacity(), self.points.len());
+        let cavities = &mut helpers.cavities;
+        cavities.resize_with(helpers.threads.min(territories), Cavity::default);
+        let ready = cavities.iter_mut().map_while(|cavity| cavity.reserve(room, vertices).then_some(())).count();
+        if ready == 0 {
+            return Err(Error::OutOfMemory { what: "marks" });
+        }
+        // Should a callback panic, no half-made tetrahedra remain.
+        let mut tets = std::mem::take(&mut self.topology.tets);
+        let used = tets.len();
+        let site = Site::new(&mut tets, &self.points);
+        let pass = Pass { site, filter: &self.filter, partition, starts: &starts, used, control: progress.control };
+        // SAFETY: this is the triangulation, and nobody else has it; the starts were found for their territories, and there is room in
+        // the cavities.
+        let outcomes = unsafe { pass.run(&mut cavities[..ready], |more| progress.report(more)) };
+        let Some(outcomes) = outcomes else { return Ok(false) };
+        // SAFETY: the outcomes of this pass.
+        let (end, mut free) = unsafe { pass.settle(&outcomes) };
+        // SAFETY: settled: all places up to the end have been written.
+        unsafe { tets.set_len(end) };
+        self.topology.tets = tets;
+        self.topology.free.append(&mut free);
+        let mut done = partition.pending.len();
+        for outcome in outcomes {
+            self.topology.ghosts = self.topology.ghosts.wrapping_add_signed(outcome.ghosts);
+            if outcome.last != NONE {
+                self.last = outcome.last;
+            }
+            done -= outcome.put_off.len();
+            put_off.extend(outcome.put_off);
+            progress.duplicates.extend(outcome.duplicates);
+        }
+        progress.done += done;
+        Ok(true)
+    }
+
+    fn is_live(&self, t: u32) -> bool {
+        self.topology.tets.get(t as usize).is_some_and(|tet| tet.is_live())
+    }
+
+    /// Tetrahedra near every [`BLOCK`]th point of a territory that have two vertices in it; [`NONE`] where there is none.
+    fn starts_in(&mut self, partition: &Partition, territory: usize) -> Vec<u32> {
+        let own = |v: [u32; 4]| {
+            // SAFETY: vertices of a live tetrahedron.
+            let bits = unsafe {
+                match partition.territory(territory) {
+                    AnyTerritory::Ids(own) => own.of::<Portable>(&v),
+                    AnyTerritory::Own(own) => own.of::<Portable>(&v),
+                }
+            };
+            bits.count_ones() >= 2
+        };
+        let start_of = |block: &[u32]| {
+            for &v in block.iter().step_by(BLOCK / STARTS) {
+                self.last = self.walk(self.at(v), self.last);
+                if own(self.topology.tet(self.last).v) {
+                    return self.last;
+                }
+            }
+            NONE
+        };
+        partition.pending_in(territory).chunks(BLOCK).map(start_of).collect()
+    }
+
+    /// Numbers the vertices from `base` on by their first occurrence in the input. `order` is the input's order of insertion;
+    /// `duplicates` are places in it, with the vertex that was there before. Returns the vertex of each input point.
+    fn number_in_input_order(
+        &mut self,
+        base: usize,
+        points: &[DVec3],
+        order: &[u32],
+        duplicates: &[(usize, u32)],
+        threads: usize,
+    ) -> Vec<u32> {
+        let mut new_id: Vec<u32> = (0..base as u32).collect();
+        let mut ids: Vec<u32> = (base as u32..(base + points.len()) as u32).collect();
+        self.points.truncate(base);
+        if duplicates.is_empty() {
+            new_id.extend(order.iter().map(|&i| base as u32 + i));
+            self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
+        } else {
+            new_id.resize(base + points.len(), NONE);
+            for (done, &i) in order.iter().enumerate() {
+                ids[i as usize] = (base + done) as u32;
+            }
+            for &(done, at) in duplicates {
+                ids[order[done] as usize] = at;
+            }
+            for (id, &point) in ids.iter_mut().zip(points) {
+                let entry = &mut new_id[*id as usize];
+                if *entry == NONE {
+                    *entry = self.points.len() as u32;
+                    self.points.push(point + DVec3::ZERO);
+                }
+                *id = *entry;
+            }
+        }
+        self.topology.renumber(&new_id, self.points.len(), threads);
+        ids
+    }
+}
+
+#[cfg(test)]
+mod tests;
