@@ -304,8 +304,7 @@ impl Forecast {
         sides: &mut Vec<(u32, bool)>,
     ) -> bool {
         let tet = *t.topology.tet(self.going[i]);
-        for slot in 0..4 {
-            let behind = tet.n[slot];
+        for (slot, &behind) in tet.n.iter().enumerate() {
             let beyond = tet_of(behind);
             let face = FACE[slot].map(|k| tet.v[k]);
             let facet = boundary.wall(face);
@@ -514,7 +513,7 @@ impl Forecast {
     }
 
     /// Moves a point into the balls of all obstacles that `wanted` asks for: it has to be there to do away with them. False when that fails.
-    pub fn into_obstacles(&self, p: &mut DVec3, space: &Space, wanted: impl Fn(&Filling) -> bool) -> bool {
+    pub fn move_into_obstacles(&self, p: &mut DVec3, space: &Space, wanted: impl Fn(&Filling) -> bool) -> bool {
         let mut q = *p - self.origin;
         for _ in 0..12 {
             let mut worst = (0.0, DVec3::ZERO);
@@ -565,8 +564,7 @@ impl Forecast {
                 }
                 continue;
             }
-            for slot in 0..4 {
-                let n = tet.n[slot];
+            for (slot, &n) in tet.n.iter().enumerate() {
                 if n & RIM == 0 {
                     if self.hit[(n >> 2) as usize] {
                         continue;
@@ -600,8 +598,8 @@ impl Forecast {
         while possible && next < self.beyond.len() {
             let tet = *t.topology.tet(self.beyond[next]);
             next += 1;
-            for slot in 0..4 {
-                let n = tet_of(tet.n[slot]);
+            for (slot, &n) in tet.n.iter().enumerate() {
+                let n = tet_of(n);
                 match boundary.wall(tet.face(slot)) {
                     Some(facet) if on.contains(&facet) => continue,
                     Some(_) => {}

@@ -82,13 +82,13 @@ impl Sparsifier {
             let number = alone.vertices.iter().position(|&x| x == w)? as u8;
             let base = t.at(lower);
             let mut place = base + space.along(0.5 * p + 0.5 * q - base);
-            if !alone.into_obstacles(&mut place, &space, |tet| !tet.v.contains(&number)) {
+            if !alone.move_into_obstacles(&mut place, &space, |tet| !tet.v.contains(&number)) {
                 continue;
             }
             let Some(plan) = boundary.without(t, &[v, w]) else { continue };
             if !pair.open(t, &[v, w])
                 || !pair.fill(t, boundary, &[v, w], &plan, demand, obstacles)
-                || !pair.into_obstacles(&mut place, &space, |_| true)
+                || !pair.move_into_obstacles(&mut place, &space, |_| true)
             {
                 continue;
             }
