@@ -292,7 +292,15 @@ static void test_refine(void) {
         DONE(wsp_refine(t, &options, NULL, &report));
         CHECK(report.bad == 0 && report.worst_radius_edge <= 2.000001 && report.min_dihedral_degrees > 0);
         CHECK(report.steiner == report.vertices - report.input_vertices);
-        CHECK(report.steiner >= report.samples + report.segment_splits + report.facet_splits && report.samples > 0);
+        CHECK(report.steiner + report.removed + report.replaced >=
+              report.samples + report.segment_splits + report.facet_splits);
+        CHECK(report.samples > 0);
+        const size_t refined = report.steiner;
+        STATUS(WSP_ERR_OPTION, wsp_sparsify_mesh(t, 2, 99, NULL, &report));
+        STATUS(WSP_ERR_OPTION, wsp_sparsify_mesh(t, 0.5, WSP_SPARSIFY_QUICK, NULL, &report));
+        STATUS(WSP_ERR_NULL, wsp_sparsify_mesh(NULL, 2, WSP_SPARSIFY_QUICK, NULL, &report));
+        DONE(wsp_sparsify_mesh(t, 2, WSP_SPARSIFY_THOROUGH, NULL, &report));
+        CHECK(report.bad == 0 && report.steiner <= refined && refined - report.steiner == report.removed + report.replaced);
         DONE(wsp_triangulation_validate(t, WSP_VALIDATE_QUALITY, 2));
         check_view(t, 27);
         wsp_triangulation_free(t);

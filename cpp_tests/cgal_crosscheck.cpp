@@ -295,7 +295,8 @@ void refine(const std::string& path, double beta, const std::string& rule) {
   const auto view = view_of(domain.triangulation);
   require(report.vertices == view.points_count && report.tetrahedra == view.tetrahedra_count &&
               report.steiner == view.points_count - domain.input.size() / 3 &&
-              report.vertices - before == report.samples + report.segment_splits + report.facet_splits,
+              report.vertices + report.removed + report.replaced ==
+                  before + report.samples + report.segment_splits + report.facet_splits,
           "the report counts otherwise than the view");
   // A rounded figure: require_refined has the exact answer.
   require(report.worst_radius_edge > 0 && report.worst_radius_edge <= beta * (1 + 1e-9),

@@ -175,6 +175,10 @@ void test_refine() {
     CHECK(mesh.bad_short_edges(1.5).empty());
     mesh.validate(WSP_VALIDATE_QUALITY, 1.5);
     CHECK(thrown([&] { mesh.validate(WSP_VALIDATE_QUALITY, 1.0); }) == WSP_ERR_NOT_VALID);
+    const std::size_t refined = report.steiner;
+    report = mesh.sparsify(1.5, WSP_SPARSIFY_THOROUGH);
+    CHECK(report.status == WSP_DONE && report.bad == 0 && report.steiner <= refined);
+    CHECK(thrown([&] { mesh.sparsify(0.5); }) == WSP_ERR_OPTION);
     const wsp::mesh_view view = mesh.view();
     CHECK(view.vertices.size() == report.vertices && view.tetrahedra.size() == report.tetrahedra);
     CHECK(view.neighbours.size() == report.tetrahedra);

@@ -212,7 +212,9 @@ int main(int argc, char** argv) {
     box.add_box(low, high);
     box.add_points(input);
     wsp::triangulation own(box);
-    const std::size_t sequential = own.refine(radius_edge).steiner;
+    wsp::refine_options alone(radius_edge);
+    alone.sparsify = WSP_SPARSIFY_OFF;  // rounds take nothing away again
+    const std::size_t sequential = own.refine(alone).steiner;
     std::printf("%zu points in, %zu added in %d rounds (%zu one by one: ratio %.3f), %zu tetrahedra\n", before, added, rounds,
                 sequential, double(added) / double(sequential), mesh.tetrahedra.size());
     // A tenth more, and ten points where there are few.

@@ -475,6 +475,14 @@ public:
     wsp::report refine(const refine_options& options, const control& control) { return refine(options, control.get()); }
     wsp::report refine(double radius_edge) { return refine(refine_options(radius_edge)); }
 
+    // Takes Steiner points away again where every tetrahedron that comes keeps the bound; see wsp_sparsify_mesh.
+    wsp::report sparsify(double radius_edge, wsp_sparsify level = WSP_SPARSIFY_DEFAULT) {
+        wsp::report done;
+        detail::running_call call;
+        call.finish(wsp_sparsify_mesh(get(), radius_edge, level, nullptr, &done));
+        return done;
+    }
+
     wsp_triangulation* get() const noexcept { return handle_.get(); }
 
 private:

@@ -1,7 +1,7 @@
 use glam::{DQuat, EulerRot};
 
 use super::*;
-use crate::{Control, Error, Mesh, Origin, Plc, RefineOptions, Rule, StepOptions, Triangulation};
+use crate::{Control, Error, Mesh, Origin, Plc, RefineOptions, Rule, Sparsify, StepOptions, Triangulation};
 
 /// A value-stable source of numbers in [0, 1).
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -134,7 +134,10 @@ fn the_hosts_loop_ends_near_the_refinements_count() {
                     Mesh::from_plc(&Plc::boxed(points[0], points[7], points[8..].iter().copied()), &Control::new())
                         .unwrap();
                 let own = mesh
-                    .refine(&RefineOptions { radius_edge, rule, ..RefineOptions::default() }, &Control::new())
+                    .refine(
+                        &RefineOptions { radius_edge, rule, sparsify: Some(Sparsify::Off), ..RefineOptions::default() },
+                        &Control::new(),
+                    )
                     .unwrap();
                 counts[0] += host.t.vertex_count() - points.len();
                 counts[1] += own.steiner;
