@@ -6,7 +6,7 @@
 //! Before the last stage stand two tests that make grids cheap: when all coordinates are multiples of
 //! one power of two and the differences at hand are small multiples of it, the floating-point
 //! determinant is exact as it stands, zero included; and when no coordinate is more than 61 bits of it, the determinant is
-//! computed in [whole numbers](super::fixed).
+//! computed in whole numbers (`fixed`).
 //!
 //! The error constants are Shewchuk's for the same evaluation order, with the permanent replaced by its upper bound.
 

@@ -12,10 +12,10 @@
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
-//! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most [`LEAD`] times the edge `l` being
+//! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
 //! made new, each step takes something off those there are, and `l` grows past any length. Where splits of the boundary, or β < 1, make edges
-//! shorter than `l` again, the number of changes is bounded by that of vertices ([`CHANGES`]); after that it is a plain refinement.
+//! shorter than `l` again, the number of changes is bounded by that of vertices (`CHANGES`); after that it is a plain refinement.
 
 pub(crate) mod change;
 pub(crate) mod forecast;
