@@ -12,6 +12,9 @@
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
+//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, which needs no split where all tetrahedra
+//! are good; a later refinement splits them if it has to.
+//!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
 //! made new, each step takes something off those there are, and `l` grows past any length. Where splits of the boundary, or β < 1, make edges
