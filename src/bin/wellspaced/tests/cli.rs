@@ -129,8 +129,13 @@ fn a_written_mesh_is_read_back() {
     write_dataset(&folder, "cube8");
     let refined = json(&folder, &["refine", "cube8.poly", "--radius-edge", "4", "-o", "m.node"]);
     let again = json(&folder, &["delaunay", "m.node"]);
-    for key in ["vertices", "tetrahedra", "worst_radius_edge", "min_dihedral_degrees"] {
+    for key in ["vertices", "tetrahedra"] {
         assert_eq!(refined[key], again[key], "{key}");
+    }
+    // These have nine digits: the order of a tetrahedron's vertices shows in the rest.
+    for key in ["worst_radius_edge", "min_dihedral_degrees"] {
+        let [a, b] = [&refined, &again].map(|mesh| mesh[key].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-9, "{key}: {a} {b}");
     }
 }
 
@@ -255,7 +260,8 @@ fn the_table_has_all_rows_of_a_data_set() {
     write_dataset(&folder, "cube8");
     let result: Value = serde_json::from_str(&stdout(&folder, &["table1", "--only", "cube8", "--json"])).unwrap();
     let rows = result["rows"].as_array().unwrap();
-    let expected = [1.5, 2.0, 4.0, 8.0].map(|bound| ["circumcenter", "paper", "sparse"].map(|rule| (bound, rule)));
+    let methods = ["circumcenter", "paper", "sparse, no pass", "sparse", "sparse, thorough"];
+    let expected = [1.5, 2.0, 4.0, 8.0].map(|bound| methods.map(|method| (bound, method)));
     let found: Vec<_> =
         rows.iter().map(|row| (row["radius_edge"].as_f64().unwrap(), row["rule"].as_str().unwrap())).collect();
     assert_eq!(found, expected.concat());
@@ -264,7 +270,7 @@ fn the_table_has_all_rows_of_a_data_set() {
         assert_eq!((&row["data_set"], &row["bad"], &row["status"]), (&"cube8".into(), &0.into(), &"done".into()));
         assert_eq!(count(&row["vertices"]), 32 + count(&row["steiner"]));
         match row["rule"].as_str() {
-            Some("sparse") => assert_eq!(row["paper"], Value::Null),
+            Some(rule) if rule.starts_with("sparse") => assert_eq!(row["paper"], Value::Null),
             _ => assert_eq!(count(&row["paper"]["vertices"]), 32 + count(&row["paper"]["steiner"])),
         }
     }
