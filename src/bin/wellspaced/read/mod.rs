@@ -2,8 +2,10 @@
 
 mod fields;
 mod node;
+mod off;
 mod poly;
 mod source;
+mod surface;
 mod xyz;
 
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ use crate::failure::Failure;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Poly,
+    Off,
     Node,
     Xyz,
 }
@@ -36,9 +39,10 @@ impl InputFile {
         let path = PathBuf::from(argument);
         let format = match ending(&path).as_deref() {
             Some("poly") => Format::Poly,
+            Some("off") => Format::Off,
             Some("node") => Format::Node,
             Some("xyz") => Format::Xyz,
-            _ => return Err("unknown ending, expected .poly, .node or .xyz".to_owned()),
+            _ => return Err("unknown ending, expected .poly, .off, .node or .xyz".to_owned()),
         };
         Ok(InputFile { path, format })
     }
@@ -82,6 +86,7 @@ pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure
     let mut source = Source::new(path);
     let content = match format {
         Format::Poly => Content::Domain(poly::parse_poly(path, bytes, &mut source)?),
+        Format::Off => Content::Domain(off::parse_off(path, bytes, &mut source)?.into_domain()),
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };
