@@ -27,6 +27,7 @@ pub mod sampler;
 pub mod triangulation;
 
 pub use control::{Control, Progress};
+pub use domain::check::{PlcCheck, PlcDefect, PlcDefectKind, Severity, SmallAngle};
 pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
 pub use error::{DomainElement, Error};
 pub use glam::DVec3;

@@ -63,7 +63,7 @@ impl Mesh {
     /// encroached. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
     /// unusable, and tells when the facets enclose no volume; [`Error::Cancelled`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        plc.check_references()?;
+        let parts = plc.arrange()?;
         let mut mesh = Mesh::new();
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
         mesh.set_inputs();
@@ -79,7 +79,7 @@ impl Mesh {
         if mesh.t.dimension() < 3 {
             return Err(whole("its points lie in a plane and enclose no volume"));
         }
-        let boundary = Boundary::from_plc(&mesh.t, plc, &ids)?;
+        let boundary = Boundary::from_plc(&mesh.t, plc, &parts, &ids)?;
         if mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? == RefineStatus::Cancelled {
             return Err(Error::Cancelled);
         }
@@ -133,8 +133,12 @@ impl Mesh {
     ) -> Result<RefineStatus, Error> {
         let mut status = RefineStatus::Done;
         if self.t.dimension() == 3 {
+            boundary.recovering = true;
             boundary.enqueue_all(&self.t);
             status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
+            boundary.recovering = false;
+            if std::env::var("WSDBG").is_ok() { eprintln!("recovered: {} vertices {} of input, missing {:?}", self.t.vertex_count(), self.input_vertices, boundary.first_missing(&self.t)); std::process::exit(3); }
+            boundary.enqueue_all(&self.t);
             boundary.label(&mut self.t, holes, regions);
         }
         self.forget_view();

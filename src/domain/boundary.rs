@@ -86,6 +86,12 @@ pub struct Boundary {
     /// Elements that can't be split any more.
     pub(crate) blocked_segments: FxHashSet<[u32; 2]>,
     pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
+    /// While the boundary is being recovered only what is missing is split, not what is encroached.
+    pub(crate) recovering: bool,
+    /// Whether facets meet at less than 90° along each segment.
+    pub(super) sharp_segments: Vec<bool>,
+    /// The largest cosine between two segments at each acute vertex.
+    pub(super) sharpness: FxHashMap<u32, f64>,
 }
 
 impl Boundary {
@@ -96,6 +102,10 @@ impl Boundary {
     /// The input element that a vertex lies on.
     pub(super) fn carrier(&self, v: u32) -> Carrier {
         self.carriers.get(v as usize).copied().unwrap_or_default()
+    }
+
+    pub(super) fn sharpness(&self, v: u32) -> f64 {
+        self.sharpness.get(&v).copied().unwrap_or(0.0)
     }
 
     /// Forgets what is known of a vertex: its id has another one now.
@@ -178,7 +188,8 @@ impl Boundary {
         face.into_iter().all(on_facet) && self.subfacets.contains_key(&face_key(face))
     }
 
-    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon. `found` is filled, in a fixed order.
+    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
+    /// small input angles have left an element encroached). `found` is filled, in a fixed order.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
         for &tet in &cavity.tets {
@@ -193,7 +204,8 @@ impl Boundary {
                     let key = edge_key([v[i], v[j]]);
                     if self.subsegments.contains_key(&key)
                         && !found.segments.contains(&key)
-                        && encroaches_segment(key.map(|v| t.at(v)), p)
+                        && (encroaches_segment(key.map(|v| t.at(v)), p)
+                            || t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)))
                     {
                         found.segments.push(key);
                     }
@@ -206,7 +218,8 @@ impl Boundary {
                         continue;
                     }
                     let key = face_key(face);
-                    if !found.facets.contains(&key) && encroaches_facet(key.map(|v| t.at(v)), p) {
+                    let goes = cavity.contains(tet_of(t.topology.tet(tet).n[slot]));
+                    if !found.facets.contains(&key) && (goes || encroaches_facet(key.map(|v| t.at(v)), p)) {
                         found.facets.push(key);
                     }
                 }
@@ -240,7 +253,7 @@ impl Boundary {
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
     fn vertex_encroaches_segment(&self, t: &Triangulation, edge: [u32; 2], v: u32) -> bool {
-        if v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
+        if self.recovering || v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
             return false;
         }
         let Some(&segment) = self.subsegments.get(&edge_key(edge)) else { return false };
@@ -250,7 +263,7 @@ impl Boundary {
     /// Whether a vertex, or the ghost, encroaches upon a subfacet.
     fn vertex_encroaches_facet(&self, t: &Triangulation, face: [u32; 3], v: u32) -> bool {
         let corners = face.map(|v| t.at(v));
-        if v == GHOST || !encroaches_facet(corners, t.at(v)) {
+        if self.recovering || v == GHOST || !encroaches_facet(corners, t.at(v)) {
             return false;
         }
         let Some(&facet) = self.subfacets.get(&face_key(face)) else { return false };

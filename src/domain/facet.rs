@@ -135,6 +135,28 @@ impl FacetTriangulation {
         [[a, b], [b, a]].into_iter().filter_map(|[a, b]| self.apex.get(&[a, b]).map(|&c| [a, b, c]))
     }
 
+    /// The triangle that holds the point `p`, by a walk from `start` that crosses no fixed edge; `None` when there is one between.
+    pub fn locate_from(
+        &self,
+        start: [u32; 3],
+        p: DVec3,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+    ) -> Option<[u32; 3]> {
+        let at = |v: u32| points[v as usize];
+        let mut triangle = self.triangle(start)?;
+        // Rounding could make the walk go round in circles.
+        for _ in 0..self.apex.len() + 1 {
+            let beyond = |&([a, b], _): &([u32; 2], u32)| orient2d(self.axis, at(a), at(b), p) == Sign::Negative;
+            let Some(([a, b], _)) = sides(triangle).into_iter().find(beyond) else { return Some(triangle) };
+            if fixed([a, b]) {
+                return None;
+            }
+            triangle = [b, a, *self.apex.get(&[b, a])?];
+        }
+        None
+    }
+
     fn in_circle(&self, filter: &Filter, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
         let at = |v: u32| points[v as usize];
         in_conflict(filter, [at(a), at(b), at(c), self.above], p)

@@ -3,11 +3,14 @@
 //! | module | idea |
 //! |---|---|
 //! | [`plc`] | the complex as the caller describes it |
+//! | [`check`] | every defect of a complex |
 //! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
+//! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
 //! | `acute` | small input angles |
+//! | `protect` | where subfacets are split near them |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
@@ -17,9 +20,12 @@
 mod acute;
 pub mod boundary;
 mod build;
+pub mod check;
 pub mod facet;
 pub(crate) mod label;
+pub(crate) mod planar;
 pub mod plc;
+pub(crate) mod protect;
 mod sector;
 mod split;
 

@@ -18,6 +18,9 @@ impl Boundary {
         let (center, other) = match (acute(a), acute(b)) {
             (true, false) => (p, q),
             (false, true) => (q, p),
+            // Around the sharper of two corners more depends on it.
+            (true, true) if self.sharpness(a) > self.sharpness(b) => (p, q),
+            (true, true) if self.sharpness(a) < self.sharpness(b) => (q, p),
             _ => return 0.5 * p + 0.5 * q,
         };
         let length = center.distance(other);

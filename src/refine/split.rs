@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use crate::domain::boundary::{edge_key, face_key};
-use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::domain::protect::FacetSplit;
 use crate::geometry::flush_tiny;
 use crate::Error;
 
@@ -58,8 +58,16 @@ impl Refiner<'_> {
 
     /// Rule 2: inserts a subfacet's circumcentre, unless that encroaches upon a subsegment, which then is queued before it.
     pub(super) fn split_facet(&mut self, face: [u32; 3]) -> Result<Split, Error> {
+        let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
+            FacetSplit::At(p, triangle) => (flush_tiny(p), triangle),
+            FacetSplit::Segment(edge) if !self.boundary.blocked_segments.contains(&edge) => {
+                self.boundary.pending_segments.push_back(edge);
+                self.boundary.pending_facets.push_front(face_key(face));
+                return Ok(Split::Deferred);
+            }
+            FacetSplit::Segment(_) => return Ok(self.block_facet(face)),
+        };
         let corners = face.map(|v| self.t.at(v));
-        let p = flush_tiny(triangle_circumcenter(corners[0], corners[1], corners[2]));
         let start = self.t.face_tetrahedron(face).unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = !p.is_finite() || corners.iter().any(|c| c.distance(p) < self.min_edge);
         if too_near || self.t.prepare(p, start, &mut self.cavity).is_err() {
@@ -79,7 +87,7 @@ impl Refiner<'_> {
         }
         // The planar triangulation first: it may refuse the point.
         let new = self.t.next_vertex();
-        let Some((facet, change)) = self.boundary.insert_on_facet(self.t, &self.cavity, face, new, p) else {
+        let Some((facet, change)) = self.boundary.insert_on_facet(self.t, &self.cavity, start_triangle, new, p) else {
             return Ok(self.block_facet(face));
         };
         let inserted = self.insert_prepared(p)?;

@@ -24,6 +24,8 @@ pub enum Command {
     Refine(Refine),
     /// Make the Delaunay triangulation of a file's points
     Delaunay(Delaunay),
+    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed
+    Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
     /// Write a data set of the paper to standard output as a .poly file
@@ -65,6 +67,17 @@ pub struct Refine {
 pub struct Delaunay {
     #[command(flatten)]
     pub files: Files,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The file: .poly or .off (a domain), or points: .node, .xyz
+    #[arg(value_name = "FILE", value_parser = InputFile::parse)]
+    pub input: InputFile,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `table1`.
