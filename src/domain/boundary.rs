@@ -88,8 +88,8 @@ pub struct Boundary {
     pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
     /// While the boundary is being recovered only what is missing is split, not what is encroached.
     pub(crate) recovering: bool,
-    /// Whether facets meet at less than 90° along each segment.
-    pub(super) sharp_segments: Vec<bool>,
+    /// The length of the shortest segment at each acute vertex.
+    pub(super) shortest_at: FxHashMap<u32, f64>,
     /// The largest cosine between two segments at each acute vertex.
     pub(super) sharpness: FxHashMap<u32, f64>,
 }

@@ -44,7 +44,7 @@ impl Boundary {
             boundary.add_facet(t, index, &plc.facets[index], outline)?;
         }
         boundary.find_acute(t);
-        boundary.find_sharp(t);
+        boundary.find_shortest(t);
         Ok(boundary)
     }
 
@@ -109,7 +109,7 @@ impl Boundary {
             }
         }
         boundary.find_acute(t);
-        boundary.find_sharp(t);
+        boundary.find_shortest(t);
         boundary
     }
 

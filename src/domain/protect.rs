@@ -1,22 +1,22 @@
 //! Where a subfacet is split while the boundary is being recovered. A circumcentre does not do near a small input angle: facets that meet there
-//! would split each other for ever, the same picture coming again at each smaller scale. Two rules make the points of all facets around a
-//! vertex, or around a segment, fit one another:
+//! would split each other for ever, the same picture coming again at each smaller scale. One rule makes the points of all facets around a
+//! vertex fit one another:
 //!
-//! - *Split on a sphere* (D. Cohen-Steiner, É. Colin de Verdière, M. Yvinec, "Conforming Delaunay triangulations in 3D", CGTA 28, 2004): a subfacet
+//! *Split on a sphere* (D. Cohen-Steiner, É. Colin de Verdière, M. Yvinec, "Conforming Delaunay triangulations in 3D", CGTA 28, 2004): a subfacet
 //!   with an acute input vertex and two others at one distance from it is split at that distance too. The ball about the vertex stays
 //!   empty, however often its sphere is cut; near a segment the pieces of the arc have a power of two as length, so that
 //!   the arcs of several facets are cut alike.
-//! - *Collars* (A. Rand, N. Walkington, "3D Delaunay refinement of sharp domains without a local feature size oracle", IMR 2008): a subfacet at a
-//!   subsegment, whose facets meet at less than 90°, is split at the apex of a right isosceles triangle over the subsegment. The apices of all
-//!   facets lie on the subsegment's diametral sphere, so that the triangles are faces as soon as its ball is empty.
-//!
-//! Deviation: both papers cover all acute elements by balls of a size known beforehand. Here a rule is applied where a subfacet turns out to
-//! be missing, and a ball shrinks when something is found in it.
+//! Deviation: the paper covers all segments by balls of a size known beforehand. Here spheres are used about acute input vertices alone, and
+//! only where splits at circumcentres have come nearer to the vertex than a part of its shortest segment; a sphere shrinks
+//! when something is found in it.
 
 use glam::DVec3;
 
-use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_SEGMENT};
+use rustc_hash::FxHashMap;
+
+use super::boundary::{edge_key, Boundary, ACUTE, ON_SEGMENT};
 use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 
 /// How to split a subfacet.
@@ -31,46 +31,51 @@ pub(crate) enum FacetSplit {
 /// Distances from an acute vertex count as equal within this: they differ by rounding, or by a factor of two.
 const SAME_SHELL: f64 = 1e-6;
 
-/// The height of a collar's triangles over half of their base: a little more than that of a right angle, so that rounding
-/// doesn't put the apex into the base's ball.
-const COLLAR_HEIGHT: f64 = 1.0 + 1.0 / 64.0;
+/// Splits at circumcentres may come as near to an acute vertex as this part of its shortest segment.
+const DEEP: f64 = 0.26;
 
 impl Boundary {
     /// Where to split a subfacet.
     pub(crate) fn facet_split(&self, t: &Triangulation, face: [u32; 3]) -> FacetSplit {
-        let m: u32 = std::env::var("WSM").ok().and_then(|v| v.parse().ok()).unwrap_or(3);
-        let protected = self.recovering.then(|| (m & 1 != 0).then(|| self.shell_split(t, face)).flatten().or_else(|| (m & 2 != 0).then(|| self.collar_split(t, face)).flatten()));
-        if std::env::var("WST").is_ok() { eprintln!("facet {face:?} kinds {:?} d {:?} -> {:?}", face.map(|v| self.kind(v)), [0,1,2].map(|i| t.at(face[i]).distance(t.at(face[(i+1)%3]))), protected); }
-        protected.flatten().unwrap_or_else(|| {
+        let protected = if self.recovering { self.shell_split(t, face) } else { None };
+        protected.unwrap_or_else(|| {
             let [a, b, c] = face.map(|v| t.at(v));
             FacetSplit::At(triangle_circumcenter(a, b, c), face)
         })
     }
 
-    /// The split on a sphere about an acute input vertex.
+    /// The split on a sphere about an acute input vertex, once the splits around it have come near to it.
     fn shell_split(&self, t: &Triangulation, face: [u32; 3]) -> Option<FacetSplit> {
-        let acute = (0..3).filter(|&i| self.kind(face[i]) & ACUTE != 0);
+        let distance = |v: u32, x: u32| t.at(v).distance(t.at(x));
+        let others = |i: usize| [face[(i + 1) % 3], face[(i + 2) % 3]];
+        let deep = |&i: &usize| {
+            let shortest = self.shortest_at.get(&face[i]).copied().unwrap_or(0.0);
+            let [v, w] = others(i);
+            distance(v, face[i]).min(distance(w, face[i])) < DEEP * shortest
+        };
         // The corner with the smallest angle, where there are several.
         let angle = |i: usize| {
             let [x, a, b] = [0, 1, 2].map(|k| t.at(face[(i + k) % 3]));
             (a - x).normalize_or_zero().dot((b - x).normalize_or_zero())
         };
-        let i = acute.max_by(|&i, &j| angle(i).total_cmp(&angle(j)))?;
-        let x = face[i];
-        let (mut near, mut far) = (face[(i + 1) % 3], face[(i + 2) % 3]);
-        let center = t.at(x);
-        let distance = |v: u32| t.at(v).distance(center);
-        if distance(near) > distance(far) {
-            std::mem::swap(&mut near, &mut far);
-        }
-        let radius = distance(near);
+        let i = (0..3).filter(deep).max_by(|&i, &j| angle(i).total_cmp(&angle(j)))?;
+        let (x, center) = (face[i], t.at(face[i]));
         let direction = |v: u32| (t.at(v) - center).normalize_or_zero();
-        if distance(far) > radius * (1.0 + SAME_SHELL) {
-            if self.is_subsegment([x, far]) {
-                return Some(FacetSplit::Segment(edge_key([x, far])));
-            }
-            return Some(FacetSplit::At(center + direction(far) * radius, face));
+        // All facets at the vertex are cut on the largest sphere about it that has nothing inside.
+        let nearest = t.nearest_neighbour(x).map_or(0.0, |v| distance(v, x));
+        let radius = (nearest * (1.0 + SAME_SHELL)).log2().floor().exp2();
+        let limit = radius * (1.0 + SAME_SHELL);
+        if let Some(beyond) = others(i).into_iter().filter(|&v| distance(v, x) > limit).max_by(|&v, &w| {
+            let first = |v: u32| (self.is_subsegment([x, v]), distance(v, x));
+            first(v).partial_cmp(&first(w)).unwrap_or(std::cmp::Ordering::Equal)
+        }) {
+            return Some(if self.is_subsegment([x, beyond]) {
+                FacetSplit::Segment(edge_key([x, beyond]))
+            } else {
+                FacetSplit::At(center + direction(beyond) * radius, face)
+            });
         }
+        let [near, far] = others(i);
         if self.is_subsegment([near, far]) {
             // The facet ends within the sphere: a smaller one is wanted.
             let sides = [[x, near], [x, far], [near, far]];
@@ -91,51 +96,26 @@ impl Boundary {
         Some(FacetSplit::At(center + rotated.normalize_or_zero() * radius, face))
     }
 
-    /// The split at the apex of a collar's triangle.
-    fn collar_split(&self, t: &Triangulation, face: [u32; 3]) -> Option<FacetSplit> {
-        let &facet = self.subfacets.get(&face_key(face))?;
-        for i in 0..3 {
-            let [a, b, c] = [0, 1, 2].map(|k| face[(i + k) % 3]);
-            let Some(&segment) = self.subsegments.get(&edge_key([a, b])) else { continue };
-            if !self.sharp_segments.get(segment as usize).copied().unwrap_or(false) {
-                continue;
+    /// Notes how long the shortest segment at each acute vertex is.
+    pub(super) fn find_shortest(&mut self, t: &Triangulation) {
+        let mut shortest: FxHashMap<u32, f64> = FxHashMap::default();
+        for [a, b] in self.subsegments.keys().copied() {
+            let length = t.at(a).distance(t.at(b));
+            for v in [a, b].into_iter().filter(|&v| self.kind(v) & ACUTE != 0) {
+                let known = shortest.entry(v).or_insert(length);
+                *known = known.min(length);
             }
-            let edge = edge_key([a, b]);
-            let (p, q, r) = (t.at(edge[0]), t.at(edge[1]), t.at(c));
-            let along = q - p;
-            let inward = (r - p).reject_from(along).normalize_or_zero();
-            let middle = 0.5 * p + 0.5 * q;
-            let half = 0.5 * along.length();
-            let apex = middle + inward * (half * COLLAR_HEIGHT);
-            // It is there already, or something is nearer to the segment.
-            if r.distance(middle) < half * (COLLAR_HEIGHT * COLLAR_HEIGHT) {
-                return Some(FacetSplit::Segment(edge));
-            }
-            let found = self.facets[facet as usize].locate_from(face, apex, t.points(), |e| self.is_subsegment(e));
-            return Some(match found {
-                Some(triangle) => FacetSplit::At(apex, triangle),
-                None => FacetSplit::Segment(edge),
-            });
         }
-        None
+        self.shortest_at = shortest;
     }
+}
 
-    /// Finds the segments along which two facets meet at less than 90°.
-    pub(super) fn find_sharp(&mut self, t: &Triangulation) {
-        let mut sharp = vec![false; self.segments.len()];
-        let mut inward: Vec<DVec3> = Vec::new();
-        for (&[a, b], &segment) in &self.subsegments {
-            inward.clear();
-            let along = (t.at(b) - t.at(a)).normalize_or_zero();
-            for &facet in &self.segments[segment as usize].facets {
-                for triangle in self.facets[facet as usize].at_edge([a, b]) {
-                    inward.push((t.at(triangle[2]) - t.at(a)).reject_from_normalized(along).normalize_or_zero());
-                }
-            }
-            // Five directions in a plane have two at less than 90°.
-            let close = |(i, u): (usize, &DVec3)| inward[..i].iter().any(|v| u.dot(*v) > 1e-9);
-            sharp[segment as usize] |= inward.len() > 4 || inward.iter().enumerate().any(close);
-        }
-        self.sharp_segments = sharp;
+impl Triangulation {
+    /// The vertex nearest to a vertex: one that it has an edge to.
+    pub(crate) fn nearest_neighbour(&self, vertex: u32) -> Option<u32> {
+        let star = self.topology.star(vertex);
+        let around = star.iter().flat_map(|&tet| self.topology.tet(tet).v).filter(|&v| v != GHOST && v != vertex);
+        let distance = |v: u32| self.at(v).distance_squared(self.at(vertex));
+        around.min_by(|&v, &w| distance(v).total_cmp(&distance(w)).then(v.cmp(&w)))
     }
 }
