@@ -33,7 +33,7 @@ pub use error::{DomainElement, Error};
 pub use glam::DVec3;
 pub use mesh::{Mesh, MeshView};
 pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
-pub use refine::{RefineOptions, RefineReport, RefineStatus};
+pub use refine::{RefineOptions, RefineReport, RefineStatus, Unrefined};
 pub use sampler::Rule;
 pub use triangulation::{Location, Triangulation};
 

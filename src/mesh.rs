@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
@@ -11,6 +12,7 @@ use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
+use crate::refine::Unrefined;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
@@ -226,14 +228,18 @@ impl Mesh {
         }
         self.forget_view();
         let mut counts = [0; 3];
+        let mut reasons = FxHashMap::default();
         let mut status = RefineStatus::Done;
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
+            domain.boundary.kept = options.keep_boundary;
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             let result = refiner.refine(control);
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
+            reasons = std::mem::take(&mut refiner.reasons);
+            domain.boundary.kept = false;
             status = result?;
         }
-        let mut report = self.report(options.radius_edge, status);
+        let mut report = self.report_with(options.radius_edge, status, &reasons);
         let waits =
             |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
         let left = report.bad > 0 || self.boundary().is_some_and(waits);
@@ -247,6 +253,16 @@ impl Mesh {
 
     /// The mesh's sizes and quality now.
     pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
+        self.report_with(bound, status, &FxHashMap::default())
+    }
+
+    /// [`report`](Self::report) with the reasons for which tetrahedra were left.
+    fn report_with(
+        &self,
+        bound: f64,
+        status: RefineStatus,
+        reasons: &FxHashMap<[u32; 4], Unrefined>,
+    ) -> RefineReport {
         let mut report = RefineReport {
             status,
             input_vertices: self.input_vertex_count(),
@@ -257,7 +273,7 @@ impl Mesh {
             segment_splits: 0,
             facet_splits: 0,
             bad: 0,
-            bad_at_small_angles: 0,
+            unrefined: [0; Unrefined::ALL.len()],
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
         };
@@ -266,7 +282,13 @@ impl Mesh {
             report.tetrahedra += 1;
             if exceeds_radius_edge(corners, bound) {
                 report.bad += 1;
-                report.bad_at_small_angles += usize::from(self.is_at_small_angle(tet));
+                let known = reasons.get(&self.t.topology.tet(tet).v).copied();
+                let reason = match known {
+                    _ if self.is_at_small_angle(tet) => Unrefined::SmallAngle,
+                    Some(reason) => reason,
+                    None => Unrefined::Limit,
+                };
+                report.unrefined[reason as usize] += 1;
             }
             report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
             report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));

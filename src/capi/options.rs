@@ -111,7 +111,7 @@ unsafe impl Sized_ for wsp_refine_options {
     const SIZES: &'static [usize] = &[size_of::<Self>()];
 
     fn defaults() -> Self {
-        let RefineOptions { radius_edge, rule, max_vertices, min_edge } = RefineOptions::default();
+        let RefineOptions { radius_edge, rule, max_vertices, min_edge, .. } = RefineOptions::default();
         wsp_refine_options { struct_size: 0, rule: rule_number(rule), radius_edge, min_edge, max_vertices }
     }
 }

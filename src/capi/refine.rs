@@ -131,6 +131,7 @@ pub unsafe extern "C" fn wsp_refine(
             rule: rule(options.rule)?,
             max_vertices: options.max_vertices,
             min_edge: options.min_edge,
+            ..RefineOptions::default()
         };
         let control = control::core(control)?;
         let mut state = args::reference(triangulation, "triangulation")?.handle.write()?;

@@ -7,7 +7,7 @@
 //!
 //! Together with the concentric shells of [`split`](super::split) around acute vertices this lets refinement end.
 
-use super::boundary::Boundary;
+use super::boundary::{edge_key, face_key, Boundary};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -69,8 +69,28 @@ impl Boundary {
         }
     }
 
+    /// The input element of a subsegment or subfacet.
+    pub(crate) fn carrier_of(&self, corners: &[u32]) -> Carrier {
+        match *corners {
+            [a, b] => self.subsegments.get(&edge_key([a, b])).map(|&s| Carrier::Segment(s)),
+            [a, b, c] => self.subfacets.get(&face_key([a, b, c])).map(|&f| Carrier::Facet(f)),
+            _ => None,
+        }
+        .unwrap_or_default()
+    }
+
     /// Whether an edge's length is given by an acute input angle.
     pub(crate) fn is_seditious(&self, t: &Triangulation, [v, w]: [u32; 2]) -> bool {
+        let m: u32 = std::env::var("WSM").ok().and_then(|v| v.parse().ok()).unwrap_or(0);
+        if m & 1 != 0 {
+            let (Carrier::Segment(a), Carrier::Segment(b)) = (self.carrier(v), self.carrier(w)) else { return false };
+            let (a, b) = (&self.segments[a as usize].ends, &self.segments[b as usize].ends);
+            let Some(x) = a.iter().find(|x| b.contains(x)) else { return false };
+            let (d, e) = (t.at(v).distance(t.at(*x)), t.at(w).distance(t.at(*x)));
+            if (d - e).abs() > 1e-6 * d {
+                return false;
+            }
+        }
         self.kind(v) != 0
             && self.kind(w) != 0
             && self.meet_acutely(t, (self.carrier(v), t.at(v)), (self.carrier(w), t.at(w)))

@@ -7,10 +7,11 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::acute::Carrier;
 use super::facet::FacetTriangulation;
+use super::pending::Demand;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
@@ -36,6 +37,9 @@ pub(super) const ON_FACET: u8 = 2;
 /// A vertex is an end of two segments that meet at less than 60°.
 pub(super) const ACUTE: u8 = 4;
 
+/// Elements that are encroached before the refinement begins are split down to this part of their shortest side, where they meet others acutely.
+const FIRST_SPLITS: f64 = 0.125;
+
 /// An input segment.
 #[derive(Clone, Debug)]
 pub struct Segment {
@@ -54,17 +58,29 @@ pub struct Encroached {
     pub segments: Vec<[u32; 2]>,
     /// Subfacets, vertices in order.
     pub facets: Vec<[u32; 3]>,
+    /// Subsegments that would go from the triangulation without being encroached. That is so near small input angles only, where vertices
+    /// are left in the balls of elements.
+    pub lost_segments: Vec<[u32; 2]>,
+    /// Subfacets of which the same is true.
+    pub lost_facets: Vec<[u32; 3]>,
 }
 
 impl Encroached {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.segments.is_empty() && self.facets.is_empty()
+        self.segments.is_empty() && self.facets.is_empty() && !self.loses()
+    }
+
+    /// Whether some would go though they are not encroached.
+    pub fn loses(&self) -> bool {
+        !(self.lost_segments.is_empty() && self.lost_facets.is_empty())
     }
 
     pub(crate) fn clear(&mut self) {
         self.segments.clear();
         self.facets.clear();
+        self.lost_segments.clear();
+        self.lost_facets.clear();
     }
 }
 
@@ -81,13 +97,16 @@ pub struct Boundary {
     /// The facet of each subfacet.
     pub(super) subfacets: FxHashMap<[u32; 3], u32>,
     /// Encroached or missing subsegments, to be split; those that are gone by their turn are passed over.
-    pub(crate) pending_segments: VecDeque<[u32; 2]>,
-    pub(crate) pending_facets: VecDeque<[u32; 3]>,
-    /// Elements that can't be split any more.
-    pub(crate) blocked_segments: FxHashSet<[u32; 2]>,
-    pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
+    pub(crate) pending_segments: VecDeque<([u32; 2], Demand)>,
+    pub(crate) pending_facets: VecDeque<([u32; 3], Demand)>,
+    /// Elements whose split was refused, with the length of the shortest edge that it would have made: it can be asked for by something
+    /// that is content with such edges. −1 when it can't be at all.
+    pub(crate) blocked_segments: FxHashMap<[u32; 2], f64>,
+    pub(crate) blocked_facets: FxHashMap<[u32; 3], f64>,
     /// While the boundary is being recovered only what is missing is split, not what is encroached.
     pub(crate) recovering: bool,
+    /// Nothing that is there may be split.
+    pub(crate) kept: bool,
     /// The length of the shortest segment at each acute vertex.
     pub(super) shortest_at: FxHashMap<u32, f64>,
     /// The largest cosine between two segments at each acute vertex.
@@ -202,12 +221,14 @@ impl Boundary {
                         continue;
                     }
                     let key = edge_key([v[i], v[j]]);
-                    if self.subsegments.contains_key(&key)
-                        && !found.segments.contains(&key)
-                        && (encroaches_segment(key.map(|v| t.at(v)), p)
-                            || t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)))
-                    {
+                    let known = found.segments.contains(&key) || found.lost_segments.contains(&key);
+                    if known || !self.subsegments.contains_key(&key) {
+                        continue;
+                    }
+                    if encroaches_segment(key.map(|v| t.at(v)), p) {
                         found.segments.push(key);
+                    } else if t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)) {
+                        found.lost_segments.push(key);
                     }
                 }
             }
@@ -218,37 +239,43 @@ impl Boundary {
                         continue;
                     }
                     let key = face_key(face);
-                    let goes = cavity.contains(tet_of(t.topology.tet(tet).n[slot]));
-                    if !found.facets.contains(&key) && (goes || encroaches_facet(key.map(|v| t.at(v)), p)) {
+                    if found.facets.contains(&key) || found.lost_facets.contains(&key) {
+                        continue;
+                    }
+                    if encroaches_facet(key.map(|v| t.at(v)), p) {
                         found.facets.push(key);
+                    } else if cavity.contains(tet_of(t.topology.tet(tet).n[slot])) {
+                        found.lost_facets.push(key);
                     }
                 }
             }
         }
     }
 
-    /// Queues what of these elements still exists and can be split.
-    pub(crate) fn enqueue(&mut self, found: &Encroached) {
+    /// Queues what of these elements still exists and can be split as demanded.
+    pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand) {
         for &s in &found.segments {
-            if self.waits_segment(s) {
-                self.pending_segments.push_back(s);
+            if self.waits_segment(s, demand) {
+                self.pending_segments.push_back((s, demand));
             }
         }
         for &f in &found.facets {
-            if self.waits_facet(f) {
-                self.pending_facets.push_back(f);
+            if self.waits_facet(f, demand) {
+                self.pending_facets.push_back((f, demand));
             }
         }
     }
 
-    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted.
-    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached) {
+    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out.
+    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached, demand: Demand) {
         // What the vertex has removed from the triangulation is split at any angle.
         let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
         let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
+        found.segments.append(&mut found.lost_segments);
+        found.facets.append(&mut found.lost_facets);
         found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
         found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
-        self.enqueue(&found);
+        self.enqueue(&found, demand);
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
@@ -270,39 +297,31 @@ impl Boundary {
         self.may_encroach(t, v, Carrier::Facet(facet), (corners[0] + corners[1] + corners[2]) / 3.0)
     }
 
-    fn waits_segment(&self, edge: [u32; 2]) -> bool {
-        self.subsegments.contains_key(&edge) && !self.blocked_segments.contains(&edge)
-    }
-
-    fn waits_facet(&self, face: [u32; 3]) -> bool {
-        self.subfacets.contains_key(&face) && !self.blocked_facets.contains(&face)
-    }
-
     /// The next subsegment to split.
     pub(crate) fn next_pending_segment(&self) -> Option<[u32; 2]> {
-        self.pending_segments.iter().copied().find(|&edge| self.waits_segment(edge))
+        self.pending_segments.iter().copied().find(|&(edge, demand)| self.waits_segment(edge, demand)).map(|(edge, _)| edge)
     }
 
     /// The next subfacet to split.
     pub(crate) fn next_pending_facet(&self) -> Option<[u32; 3]> {
-        self.pending_facets.iter().copied().find(|&face| self.waits_facet(face))
+        self.pending_facets.iter().copied().find(|&(face, demand)| self.waits_facet(face, demand)).map(|(face, _)| face)
     }
 
     /// Takes the next subsegment to split off its queue.
-    pub(crate) fn pop_segment(&mut self) -> Option<[u32; 2]> {
-        while let Some(edge) = self.pending_segments.pop_front() {
-            if self.waits_segment(edge) {
-                return Some(edge);
+    pub(crate) fn pop_segment(&mut self) -> Option<([u32; 2], Demand)> {
+        while let Some((edge, demand)) = self.pending_segments.pop_front() {
+            if self.waits_segment(edge, demand) {
+                return Some((edge, demand));
             }
         }
         None
     }
 
     /// Takes the next subfacet to split off its queue.
-    pub(crate) fn pop_facet(&mut self) -> Option<[u32; 3]> {
-        while let Some(face) = self.pending_facets.pop_front() {
-            if self.waits_facet(face) {
-                return Some(face);
+    pub(crate) fn pop_facet(&mut self) -> Option<([u32; 3], Demand)> {
+        while let Some((face, demand)) = self.pending_facets.pop_front() {
+            if self.waits_facet(face, demand) {
+                return Some((face, demand));
             }
         }
         None
@@ -310,11 +329,11 @@ impl Boundary {
 
     /// Takes entries that need no split any more off the front of the queues.
     pub(crate) fn drop_stale(&mut self) {
-        if let Some(edge) = self.pop_segment() {
-            self.pending_segments.push_front(edge);
+        if let Some(entry) = self.pop_segment() {
+            self.pending_segments.push_front(entry);
         }
-        if let Some(face) = self.pop_facet() {
-            self.pending_facets.push_front(face);
+        if let Some(entry) = self.pop_facet() {
+            self.pending_facets.push_front(entry);
         }
     }
 
@@ -331,34 +350,43 @@ impl Boundary {
 
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued.
     pub(crate) fn unblock(&mut self, t: &Triangulation) {
-        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().collect();
-        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().collect();
+        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().map(|(edge, _)| edge).collect();
+        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().map(|(face, _)| face).collect();
         segments.sort_unstable();
         facets.sort_unstable();
-        segments.retain(|&edge| self.waits_segment(edge) && self.needs_split_segment(t, edge));
-        facets.retain(|&face| self.waits_facet(face) && self.needs_split_facet(t, face));
-        self.pending_segments.extend(segments);
-        self.pending_facets.extend(facets);
+        segments.retain(|&edge| self.subsegments.contains_key(&edge) && self.needs_split_segment(t, edge));
+        facets.retain(|&face| self.subfacets.contains_key(&face) && self.needs_split_facet(t, face));
+        self.enqueue_first(t, segments, facets);
     }
 
-    /// Takes out what can't be split any more.
-    pub(crate) fn drop_blocked(&self, found: &mut Encroached) {
-        found.segments.retain(|s| !self.blocked_segments.contains(s));
-        found.facets.retain(|f| !self.blocked_facets.contains(f));
+    /// Takes out what can't be split as demanded.
+    pub(crate) fn drop_blocked(&self, found: &mut Encroached, demand: Demand) {
+        found.segments.retain(|&s| self.waits_segment(s, demand));
+        found.facets.retain(|&f| self.waits_facet(f, demand));
     }
 
     /// Queues every subsegment and subfacet that is missing from the triangulation or encroached by a vertex.
     pub(crate) fn enqueue_all(&mut self, t: &Triangulation) {
-        for (edge, _) in self.subsegments() {
-            if self.needs_split_segment(t, edge) {
-                self.pending_segments.push_back(edge);
-            }
-        }
-        for (face, _) in self.subfacets() {
-            if self.needs_split_facet(t, face) {
-                self.pending_facets.push_back(face);
-            }
-        }
+        let segments = self.subsegments().into_iter().map(|(edge, _)| edge);
+        let facets = self.subfacets().into_iter().map(|(face, _)| face);
+        let segments = segments.filter(|&edge| self.needs_split_segment(t, edge)).collect();
+        let facets = facets.filter(|&face| self.needs_split_facet(t, face)).collect();
+        self.enqueue_first(t, segments, facets);
+    }
+
+    /// Queues elements that no other split has brought about. Of a missing one nothing is demanded; of others that their splits
+    /// stay within a fraction of the element.
+    fn enqueue_first(&mut self, t: &Triangulation, segments: Vec<[u32; 2]>, facets: Vec<[u32; 3]>) {
+        let demand = |shortest: f64| match self.recovering {
+            true => Demand::NONE,
+            false => Demand::of(shortest * FIRST_SPLITS).following(),
+        };
+        let length = |a: u32, b: u32| t.at(a).distance(t.at(b));
+        let segments: Vec<_> = segments.into_iter().map(|[a, b]| ([a, b], demand(length(a, b)))).collect();
+        let shortest = |[a, b, c]: [u32; 3]| length(a, b).min(length(b, c)).min(length(c, a));
+        let facets: Vec<_> = facets.into_iter().map(|face| (face, demand(shortest(face)))).collect();
+        self.pending_segments.extend(segments);
+        self.pending_facets.extend(facets);
     }
 
     /// Whether a subsegment is missing or encroached. If any vertex lies in the diametral ball of an edge, one of its link does.
@@ -386,6 +414,7 @@ impl Boundary {
         star: &[u32],
         segments: &[[u32; 2]],
         facets: &[[u32; 3]],
+        demand: Demand,
     ) {
         // What encroaches upon an element at `new`, or that it is missing, shows in the star.
         let other = |vertices: &[u32], tet: u32| {
@@ -399,13 +428,13 @@ impl Boundary {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
             if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
-                self.pending_segments.push_back(edge_key(edge));
+                self.pending_segments.push_back((edge_key(edge), demand));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
             if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
-                self.pending_facets.push_back(face_key(face));
+                self.pending_facets.push_back((face_key(face), demand));
             }
         }
     }

@@ -181,6 +181,21 @@ impl FacetTriangulation {
         fixed: impl Fn([u32; 2]) -> bool,
         in_space: impl Fn([u32; 3]) -> InSpace,
     ) -> Option<FacetChange> {
+        let change = self.plan(new, start, split, points, fixed, in_space)?;
+        self.apply(&change, points[new as usize]);
+        Some(change)
+    }
+
+    /// What [`insert`](Self::insert) would change.
+    pub fn plan(
+        &self,
+        new: u32,
+        start: &[[u32; 3]],
+        split: Option<[u32; 2]>,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+        in_space: impl Fn([u32; 3]) -> InSpace,
+    ) -> Option<FacetChange> {
         let p = points[new as usize];
         let mut filter = self.filter.clone();
         filter.extend(p);
@@ -226,15 +241,19 @@ impl FacetTriangulation {
                 Some(_) => return None,
             }
         };
-        self.filter = filter;
-        for &t in &removed {
+        let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
+        Some(FacetChange { removed, created })
+    }
+
+    /// Does what was [planned](Self::plan) for a vertex at `p`.
+    pub fn apply(&mut self, change: &FacetChange, p: DVec3) {
+        self.filter.extend(p);
+        for &t in &change.removed {
             self.remove(t);
         }
-        let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
-        for &t in &created {
+        for &t in &change.created {
             self.add(t);
         }
-        Some(FacetChange { removed, created })
     }
 
     /// Flips edges until every triangle's circle is free of its neighbours' apices, fixed edges excepted (C. L. Lawson, 1977).

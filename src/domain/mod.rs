@@ -11,18 +11,22 @@
 //! | `split` | what a split changes in it |
 //! | `acute` | small input angles |
 //! | `protect` | where subfacets are split near them |
+//! | [`pending`] | what is demanded of a split |
+//! | `guard` | which splits would take out what they must not |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
 //! or subfacet that is missing from the triangulation, or encroached, is split.
 
-mod acute;
+pub(crate) mod acute;
 pub mod boundary;
 mod build;
 pub mod check;
 pub mod facet;
+mod guard;
 pub(crate) mod label;
+pub mod pending;
 pub(crate) mod planar;
 pub mod plc;
 pub(crate) mod protect;

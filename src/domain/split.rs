@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
 use super::facet::{FacetChange, InSpace};
+use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
@@ -29,10 +30,10 @@ impl Boundary {
         center + (other - center) * (radius / length)
     }
 
-    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulations at subsegment `edge`, which it splits.
-    /// `cavity` is that of `p`.
-    pub(crate) fn insert_on_segment(
-        &mut self,
+    /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulations at subsegment `edge`,
+    /// which it splits. `cavity` is that of `p`.
+    pub(crate) fn plan_on_segment(
+        &self,
         t: &mut Triangulation,
         cavity: &Cavity,
         edge: [u32; 2],
@@ -45,20 +46,27 @@ impl Boundary {
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
         let mut changes = Vec::new();
         for &facet in &self.segments[segment as usize].facets {
-            let planar = &mut self.facets[facet as usize];
+            let planar = &self.facets[facet as usize];
             let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
             // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
             // which are found missing and split in their turn.
             let change = t.with_point(new, p, |t| {
-                planar.insert(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
+                planar.plan(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
             });
             changes.extend(change.map(|change| (facet, change)));
         }
         changes
     }
 
+    /// Does what was planned for a vertex at `p`.
+    pub(crate) fn apply(&mut self, changes: &[(u32, FacetChange)], p: DVec3) {
+        for (facet, change) in changes {
+            self.facets[*facet as usize].apply(change, p);
+        }
+    }
+
     /// Replaces subsegment `edge` by its two parts at vertex `new`, takes over what
-    /// [`insert_on_segment`](Self::insert_on_segment) changed, and queues what of the new elements is missing or encroached.
+    /// [`plan_on_segment`](Self::plan_on_segment) planned, and queues what of the new elements is missing or encroached.
     /// `star` are the tetrahedra at `new`.
     pub(crate) fn segment_changed(
         &mut self,
@@ -67,6 +75,7 @@ impl Boundary {
         new: u32,
         changes: &[(u32, FacetChange)],
         star: &[u32],
+        demand: Demand,
     ) {
         let key = edge_key(edge);
         let Some(segment) = self.subsegments.remove(&key) else { return };
@@ -76,16 +85,16 @@ impl Boundary {
         }
         self.mark(new, ON_SEGMENT);
         self.carry(new, Carrier::Segment(segment));
-        self.enqueue_new(t, new, star, &parts, &[]);
+        self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {
-            self.facet_changed(t, new, *facet, change, star);
+            self.facet_changed(t, new, *facet, change, star, demand);
         }
     }
 
-    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulation of subfacet `face`. `None` when it
-    /// can't be. `cavity` is that of `p`.
-    pub(crate) fn insert_on_facet(
-        &mut self,
+    /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
+    /// when it can't be inserted. `cavity` is that of `p`.
+    pub(crate) fn plan_on_facet(
+        &self,
         t: &mut Triangulation,
         cavity: &Cavity,
         face: [u32; 3],
@@ -93,11 +102,11 @@ impl Boundary {
         p: DVec3,
     ) -> Option<(u32, FacetChange)> {
         let facet = *self.subfacets.get(&face_key(face))?;
-        let planar = &mut self.facets[facet as usize];
+        let planar = &self.facets[facet as usize];
         let start = planar.triangle(face)?;
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(new, p, |t| planar.insert(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
+        t.with_point(new, p, |t| planar.plan(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
             .map(|change| (facet, change))
     }
 
@@ -109,9 +118,10 @@ impl Boundary {
         facet: u32,
         change: &FacetChange,
         star: &[u32],
+        demand: Demand,
     ) {
         self.replace_subfacets(facet, new, change);
-        self.enqueue_new(t, new, star, &[], &change.created);
+        self.enqueue_new(t, new, star, &[], &change.created, demand);
         t.relabel_flat(new, &change.removed, star);
     }
 

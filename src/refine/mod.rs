@@ -27,11 +27,20 @@ pub struct RefineOptions {
     pub max_vertices: usize,
     /// No Steiner point is added nearer than this to a vertex; 0 chooses 2⁻⁴⁰ of the bounding box's diagonal.
     pub min_edge: f64,
+    /// Leaves segments and facets as they are: no Steiner point is put on them. Tetrahedra that could only be mended so are left and counted. What the
+    /// domain's recovery had to add when the mesh was made remains.
+    pub keep_boundary: bool,
 }
 
 impl Default for RefineOptions {
     fn default() -> Self {
-        RefineOptions { radius_edge: 2.0, rule: Rule::default(), max_vertices: 100_000_000, min_edge: 0.0 }
+        RefineOptions {
+            radius_edge: 2.0,
+            rule: Rule::default(),
+            max_vertices: 100_000_000,
+            min_edge: 0.0,
+            keep_boundary: false,
+        }
     }
 }
 
@@ -72,6 +81,40 @@ pub enum RefineStatus {
     Unrefined,
 }
 
+/// Why a tetrahedron is over the bound after a refinement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Unrefined {
+    /// Its shortest edge spans an input angle of less than 60°: the input gives the edge's length.
+    SmallAngle,
+    /// Its Steiner points would encroach upon segments or facets that can't be split: because of small input angles nearby, or because the boundary
+    /// is to be [kept](RefineOptions::keep_boundary).
+    Boundary,
+    /// Mending it would need an edge below the minimum length.
+    MinEdge,
+    /// A vertex limit or a cancellation came first.
+    Limit,
+    /// Rounding left no place for a Steiner point.
+    Rounding,
+}
+
+impl Unrefined {
+    /// All reasons, in the order of [`RefineReport::unrefined`].
+    pub const ALL: [Unrefined; 5] =
+        [Unrefined::SmallAngle, Unrefined::Boundary, Unrefined::MinEdge, Unrefined::Limit, Unrefined::Rounding];
+
+    /// A short name in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unrefined::SmallAngle => "small_angle",
+            Unrefined::Boundary => "boundary",
+            Unrefined::MinEdge => "min_edge",
+            Unrefined::Limit => "limit",
+            Unrefined::Rounding => "rounding",
+        }
+    }
+}
+
 /// What a refinement did, and the mesh's quality after it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineReport {
@@ -93,8 +136,8 @@ pub struct RefineReport {
     pub facet_splits: usize,
     /// Tetrahedra of the domain over the bound (exact).
     pub bad: usize,
-    /// Those of them whose shortest edge spans an input angle of less than 60°: the input doesn't let them be mended.
-    pub bad_at_small_angles: usize,
+    /// How many of them are left for each reason, in the order of [`Unrefined::ALL`]; their sum is `bad`.
+    pub unrefined: [usize; Unrefined::ALL.len()],
     /// The largest radius-edge ratio in the domain, 0 without tetrahedra.
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.

@@ -5,11 +5,13 @@
 //! the boundary element is split, and the tetrahedron, if it still exists, comes again.
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::queue::{shortest_edge, Queue};
 use super::split::Split;
-use super::{RefineOptions, RefineStatus};
+use super::{RefineOptions, RefineStatus, Unrefined};
 use crate::domain::boundary::{Boundary, Encroached};
+use crate::domain::pending::Demand;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
@@ -25,8 +27,8 @@ pub enum Placed {
     Inserted(u32),
     /// It would encroach upon boundary elements, which have been queued.
     Encroaches,
-    /// It would make an edge shorter than the limit, or encroaches upon elements that can't be split.
-    Refused,
+    /// It was not inserted, for this reason.
+    Refused(Unrefined),
 }
 
 /// One refinement under way.
@@ -45,7 +47,10 @@ pub struct Refiner<'a> {
     link: Vec<u32>,
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
     watching: bool,
-    refused: bool,
+    /// Why tetrahedra were left as they are; some of them may have gone since.
+    pub reasons: FxHashMap<[u32; 4], Unrefined>,
+    /// What is demanded of the splits that the tetrahedron in hand asks for.
+    pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
     progress: f64,
     pub samples: usize,
@@ -74,7 +79,8 @@ impl<'a> Refiner<'a> {
             arcs: Vec::new(),
             link: Vec::new(),
             watching: false,
-            refused: false,
+            reasons: FxHashMap::default(),
+            demand: Demand::NONE,
             progress: 0.0,
             samples: 0,
             segment_splits: 0,
@@ -114,7 +120,7 @@ impl<'a> Refiner<'a> {
             let Some(t) = self.queue.pop(self.t) else { break };
             self.mend(t)?;
         }
-        Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
+        Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
     }
 
     fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
@@ -136,12 +142,12 @@ impl<'a> Refiner<'a> {
 
     /// Splits one boundary element if any waits. Returns false when none does.
     pub fn boundary_step(&mut self) -> Result<bool, Error> {
-        if let Some(edge) = self.boundary.pop_segment() {
-            self.split_segment(edge)?;
+        if let Some((edge, demand)) = self.boundary.pop_segment() {
+            self.split_segment(edge, demand)?;
             return Ok(true);
         }
-        if let Some(face) = self.boundary.pop_facet() {
-            let split = self.split_facet(face)?;
+        if let Some((face, demand)) = self.boundary.pop_facet() {
+            let split = self.split_facet(face, demand)?;
             debug_assert!(split != Split::Deferred || !self.boundary.pending_segments.is_empty());
             return Ok(true);
         }
@@ -151,13 +157,16 @@ impl<'a> Refiner<'a> {
     /// One step for a bad tetrahedron: samples its shortest edge.
     fn mend(&mut self, tet: u32) -> Result<(), Error> {
         let v = self.t.topology.tet(tet).v;
-        let ([i, j], _) = shortest_edge(self.t, tet);
+        let ([i, j], shortest) = shortest_edge(self.t, tet);
         if self.boundary.is_seditious(self.t, [v[i], v[j]]) {
-            self.refused = true;
+            self.refuse(v, Unrefined::SmallAngle);
             return Ok(());
         }
+        // What a split can keep to where input angles are not small, less a little for rounding.
+        self.demand = Demand::of(0.499 * self.radius_edge * shortest.sqrt());
         let samples = self.sample(tet, [i, j]);
         let mut placed_any = false;
+        let mut reason = Unrefined::Rounding;
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
                 break;
@@ -171,17 +180,22 @@ impl<'a> Refiner<'a> {
                     placed_any = true;
                     break;
                 }
-                Placed::Refused => {}
+                Placed::Refused(why) => reason = why,
             }
         }
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
                 self.queue.push(self.t, tet);
             } else {
-                self.refused = true;
+                self.refuse(v, reason);
             }
         }
         Ok(())
+    }
+
+    /// Leaves a tetrahedron as it is.
+    fn refuse(&mut self, v: [u32; 4], reason: Unrefined) {
+        self.reasons.insert(v, reason);
     }
 
     /// The samples for a bad tetrahedron.
@@ -205,26 +219,28 @@ impl<'a> Refiner<'a> {
         let start = if self.t.topology.tet(near).is_live() { near } else { self.t.recent() };
         if crate::geometry::check_range(0, p).is_err() || self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
-            return Ok(Placed::Refused);
+            return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if !self.encroached.is_empty() {
             self.cavity.clear();
-            self.boundary.drop_blocked(&mut self.encroached);
+            let demand = self.demand;
+            self.boundary.drop_blocked(&mut self.encroached, demand);
             if !self.encroached.segments.is_empty() {
                 self.encroached.facets.clear();
             }
             if self.rule == Rule::Sparse {
                 self.boundary.keep_nearest(self.t, p, &mut self.encroached);
             }
-            self.boundary.enqueue(&self.encroached);
-            return Ok(if self.encroached.is_empty() { Placed::Refused } else { Placed::Encroaches });
+            self.boundary.enqueue(&self.encroached, demand);
+            let waits = !(self.encroached.segments.is_empty() && self.encroached.facets.is_empty());
+            return Ok(if waits { Placed::Encroaches } else { Placed::Refused(Unrefined::Boundary) });
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
         if leaves || self.rim_distance(p) < self.min_edge {
             self.cavity.clear();
-            return Ok(Placed::Refused);
+            return Ok(Placed::Refused(if leaves { Unrefined::Boundary } else { Unrefined::MinEdge }));
         }
         let new = self.insert_prepared(p)?;
         self.finish();

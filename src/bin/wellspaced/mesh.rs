@@ -1,11 +1,12 @@
 //! The commands `refine` and `delaunay`: read, mesh, write, report.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 
 use glam::DVec3;
 use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
 use wellspaced::mesh::MeshView;
-use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport};
+use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Unrefined};
 
 use crate::args::{Delaunay, Files, Refine};
 use crate::failure::Failure;
@@ -38,6 +39,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
             tetrahedra: report.tetrahedra,
             steiner: report.steiner,
             bad: Some(report.bad),
+            unrefined: Some(reasons(&report)),
             worst_radius_edge: report.worst_radius_edge,
             min_dihedral_degrees: report.min_dihedral_degrees,
             rule: Some(arguments.rule.name()),
@@ -46,6 +48,12 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
             seconds,
         },
     )
+}
+
+/// How many tetrahedra were left for each reason, if any were.
+pub fn reasons(report: &RefineReport) -> BTreeMap<&'static str, usize> {
+    let reasons = Unrefined::ALL.iter().zip(report.unrefined);
+    reasons.filter(|&(_, count)| count > 0).map(|(reason, count)| (reason.name(), count)).collect()
 }
 
 /// Triangulates and refines: a domain as given, points in their convex hull.
@@ -89,6 +97,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
             tetrahedra: view.tetrahedra.len(),
             steiner: 0,
             bad: None,
+            unrefined: None,
             worst_radius_edge,
             min_dihedral_degrees,
             rule: None,

@@ -1,5 +1,6 @@
 //! What a command says when it is done: one JSON object, or a few lines for people.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -14,6 +15,8 @@ pub struct Report {
     pub tetrahedra: usize,
     pub steiner: usize,
     pub bad: Option<usize>,
+    /// How many of the bad tetrahedra were left for each reason.
+    pub unrefined: Option<BTreeMap<&'static str, usize>>,
     /// Null when a flat tetrahedron makes it infinite.
     pub worst_radius_edge: f64,
     pub min_dihedral_degrees: f64,
