@@ -119,6 +119,7 @@ impl Mesh {
         self.t.retire_free_ids();
         let mut domain = Domain { boundary };
         if self.t.dimension() == 3 {
+            domain.boundary.find_room(&self.t);
             domain.boundary.enqueue_all(&self.t);
             domain.boundary.label(&mut self.t, &[], &[]);
         }
@@ -139,7 +140,7 @@ impl Mesh {
             boundary.enqueue_all(&self.t);
             status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
             boundary.recovering = false;
-            if std::env::var("WSDBG").is_ok() { eprintln!("recovered: {} vertices {} of input, missing {:?}", self.t.vertex_count(), self.input_vertices, boundary.first_missing(&self.t)); std::process::exit(3); }
+            boundary.find_room(&self.t);
             boundary.enqueue_all(&self.t);
             boundary.label(&mut self.t, holes, regions);
         }

@@ -81,16 +81,6 @@ impl Boundary {
 
     /// Whether an edge's length is given by an acute input angle.
     pub(crate) fn is_seditious(&self, t: &Triangulation, [v, w]: [u32; 2]) -> bool {
-        let m: u32 = std::env::var("WSM").ok().and_then(|v| v.parse().ok()).unwrap_or(0);
-        if m & 1 != 0 {
-            let (Carrier::Segment(a), Carrier::Segment(b)) = (self.carrier(v), self.carrier(w)) else { return false };
-            let (a, b) = (&self.segments[a as usize].ends, &self.segments[b as usize].ends);
-            let Some(x) = a.iter().find(|x| b.contains(x)) else { return false };
-            let (d, e) = (t.at(v).distance(t.at(*x)), t.at(w).distance(t.at(*x)));
-            if (d - e).abs() > 1e-6 * d {
-                return false;
-            }
-        }
         self.kind(v) != 0
             && self.kind(w) != 0
             && self.meet_acutely(t, (self.carrier(v), t.at(v)), (self.carrier(w), t.at(w)))

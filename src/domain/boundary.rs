@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::acute::Carrier;
 use super::facet::FacetTriangulation;
@@ -109,6 +109,8 @@ pub struct Boundary {
     pub(crate) kept: bool,
     /// The length of the shortest segment at each acute vertex.
     pub(super) shortest_at: FxHashMap<u32, f64>,
+    /// The distance of the nearest vertex to each acute vertex, when the boundary had been recovered.
+    pub(super) room_at: FxHashMap<u32, f64>,
     /// The largest cosine between two segments at each acute vertex.
     pub(super) sharpness: FxHashMap<u32, f64>,
 }
@@ -211,6 +213,9 @@ impl Boundary {
     /// small input angles have left an element encroached). `found` is filled, in a fixed order.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
+        // Each element is looked at once; short lists need no set for that.
+        let many = cavity.tets.len() > 48;
+        let (mut seen_edges, mut seen_faces) = (FxHashSet::default(), FxHashSet::default());
         for &tet in &cavity.tets {
             let v = t.topology.tet(tet).v;
             let kinds = v.map(|v| if v == GHOST { 0 } else { self.kind(v) });
@@ -221,7 +226,11 @@ impl Boundary {
                         continue;
                     }
                     let key = edge_key([v[i], v[j]]);
-                    let known = found.segments.contains(&key) || found.lost_segments.contains(&key);
+                    let known = if many {
+                        !seen_edges.insert(key)
+                    } else {
+                        found.segments.contains(&key) || found.lost_segments.contains(&key)
+                    };
                     if known || !self.subsegments.contains_key(&key) {
                         continue;
                     }
@@ -239,7 +248,12 @@ impl Boundary {
                         continue;
                     }
                     let key = face_key(face);
-                    if found.facets.contains(&key) || found.lost_facets.contains(&key) {
+                    let known = if many {
+                        !seen_faces.insert(key)
+                    } else {
+                        found.facets.contains(&key) || found.lost_facets.contains(&key)
+                    };
+                    if known {
                         continue;
                     }
                     if encroaches_facet(key.map(|v| t.at(v)), p) {

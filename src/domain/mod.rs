@@ -6,6 +6,7 @@
 //! | [`check`] | every defect of a complex |
 //! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
+//! | `join` | coplanar facets joined |
 //! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
@@ -24,6 +25,7 @@ pub mod boundary;
 mod build;
 pub mod check;
 pub mod facet;
+mod join;
 mod guard;
 pub(crate) mod label;
 pub mod pending;

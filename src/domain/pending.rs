@@ -4,6 +4,7 @@
 //! demanded of such a split, and of those that follow from it at acute input vertices: one that can't keep it is left out.
 
 use super::boundary::{Boundary, ACUTE};
+use crate::triangulation::Triangulation;
 
 /// What is demanded of a split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,13 +36,22 @@ impl Boundary {
         self.kept && exists && !self.recovering
     }
 
-    /// The length that a demand comes to for an element with these corners.
+    /// The length that a demand comes to for an element with these corners. At an acute vertex it is at least half the distance
+    /// that the nearest vertex had when the boundary had been recovered.
     pub(crate) fn demanded(&self, demand: Demand, corners: &[u32]) -> f64 {
-        if demand.follows && !corners.iter().any(|&v| self.kind(v) & ACUTE != 0) {
-            0.0
-        } else {
-            demand.length
+        let acute = corners.iter().filter(|&&v| self.kind(v) & ACUTE != 0);
+        let room = acute.map(|v| self.room_at.get(v).copied().unwrap_or(0.0)).reduce(f64::max);
+        match room {
+            Some(room) => demand.length.max(0.5 * room),
+            None if demand.follows => 0.0,
+            None => demand.length,
         }
+    }
+
+    /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.
+    pub(crate) fn find_room(&mut self, t: &Triangulation) {
+        let room = |&v: &u32| t.nearest_neighbour(v).map(|w| (v, t.at(v).distance(t.at(w))));
+        self.room_at = self.shortest_at.keys().filter_map(room).collect();
     }
 
     /// Whether a subsegment exists and its split is not known to miss the demand.

@@ -100,3 +100,63 @@ pub fn triangles_within(
         .map(|face| face.vertices().map(|v| vertex_of[&v.fix()]))
         .collect())
 }
+
+/// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.
+pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]) -> Vec<DVec3> {
+    let points = &plc.points;
+    let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let Some(normal) = facet_normal(points, &vertices) else { return Vec::new() };
+    let axis = super::facet::dominant_axis(normal);
+    let mut constraints: Vec<[u32; 2]> = Vec::new();
+    for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
+        for i in 0..polygon.len() {
+            constraints.push(super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]]));
+        }
+    }
+    constraints.sort_unstable();
+    constraints.dedup();
+    // A member lies on one side of each of its sides that stay. The triangle there belongs to the facet if it is on that side.
+    let mut inner: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+    for &member in members {
+        let polygon = &plc.facets[member as usize].polygons[0];
+        let Ok(own) = triangles_of(points, polygon, axis) else { return Vec::new() };
+        for triangle in own {
+            for i in 0..3 {
+                let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
+                inner.insert(side, triangle[(i + 2) % 3]);
+            }
+        }
+    }
+    let Ok(triangles) = triangles_within(points, &vertices, &constraints, axis, &[]) else { return Vec::new() };
+    let side_of = |a: u32, b: u32, c: u32| {
+        crate::geometry::predicates::orient2d(axis, points[a as usize], points[b as usize], points[c as usize])
+    };
+    let mut seeds = Vec::new();
+    for triangle in triangles {
+        let outer = (0..3).any(|i| {
+            let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
+            let kept = constraints.binary_search(&side).is_ok();
+            kept && inner.get(&side).is_some_and(|&apex| {
+                side_of(side[0], side[1], apex) != side_of(side[0], side[1], triangle[(i + 2) % 3])
+            })
+        });
+        if outer {
+            let [a, b, c] = triangle.map(|v| points[v as usize]);
+            seeds.push((a + b + c) / 3.0);
+        }
+    }
+    seeds
+}
+
+fn triangles_of(points: &[DVec3], polygon: &[u32], axis: usize) -> Result<Vec<[u32; 3]>, PlanarDefect> {
+    let mut vertices = polygon.to_vec();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut sides: Vec<[u32; 2]> =
+        (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])).collect();
+    sides.sort_unstable();
+    sides.dedup();
+    triangles_within(points, &vertices, &sides, axis, &[])
+}

@@ -238,7 +238,7 @@ impl<'a> Refiner<'a> {
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
-        if leaves || self.rim_distance(p) < self.min_edge {
+        if leaves || self.rim_distance(p) < self.min_edge.max(self.demand.length) {
             self.cavity.clear();
             return Ok(Placed::Refused(if leaves { Unrefined::Boundary } else { Unrefined::MinEdge }));
         }

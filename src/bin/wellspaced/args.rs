@@ -38,12 +38,25 @@ pub struct Files {
     /// A TetGen .poly file (a domain), or points: .node, .xyz
     #[arg(value_name = "FILE", value_parser = InputFile::parse)]
     pub input: InputFile,
+    /// Join facets in one plane that share a side, if their normals differ by at most this angle in degrees, or `off`. Default: 0.01 for
+    /// surfaces (.off, .stl, .ply, .obj), off for others. No facet becomes less planar than a facet must be
+    #[arg(long, value_name = "ANGLE", value_parser = parse_angle)]
+    pub join_coplanar: Option<f64>,
     /// Write the mesh: .vtu, or .node and .ele (both are written for either); may be given several times
     #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
     pub outputs: Vec<OutputFile>,
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// An angle in degrees from 0 to 90; −1 for `off`.
+fn parse_angle(argument: &str) -> Result<f64, String> {
+    match argument.parse() {
+        _ if argument == "off" => Ok(-1.0),
+        Ok(angle) if (0.0..=90.0).contains(&angle) => Ok(angle),
+        _ => Err("expected degrees from 0 to 90, or off".to_owned()),
+    }
 }
 
 /// Arguments of `refine`.

@@ -25,7 +25,8 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     options.check().map_err(Failure::usage)?;
     let files = &arguments.files;
     let mut seconds = Seconds::default();
-    let input = open(files, &mut seconds)?;
+    let mut input = open(files, &mut seconds)?;
+    join(files, &mut input);
     let bar = Bar::new("refine");
     let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
@@ -48,6 +49,19 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
             seconds,
         },
     )
+}
+
+/// The angle up to which a surface's coplanar polygons are joined by default.
+const JOIN_DEGREES: f64 = 0.01;
+
+/// Joins coplanar facets, if that is asked for or the kind of file suggests it.
+fn join(files: &Files, input: &mut Input) {
+    let default = if files.input.format.is_surface() { JOIN_DEGREES } else { -1.0 };
+    let degrees = files.join_coplanar.unwrap_or(default);
+    if let (Content::Domain(plc), true) = (&mut input.content, degrees >= 0.0) {
+        let group = plc.join_coplanar(degrees);
+        input.source.join(&group, plc.facets.len());
+    }
 }
 
 /// How many tetrahedra were left for each reason, if any were.

@@ -26,6 +26,13 @@ pub enum Format {
     Xyz,
 }
 
+impl Format {
+    /// Whether files of this kind hold a surface of polygons.
+    pub fn is_surface(self) -> bool {
+        matches!(self, Format::Off)
+    }
+}
+
 /// A file to read, whose ending is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputFile {

@@ -48,6 +48,15 @@ impl Source {
         }
     }
 
+    /// Facet `i` has become a part of facet `group[i]` of `count`. Each is named by the first of its parts.
+    pub fn join(&mut self, group: &[u32], count: usize) {
+        let mut first = vec![Place { line: 0, number: 0 }; count];
+        for (&place, &new) in self.facets.iter().zip(group).rev() {
+            first[new as usize] = place;
+        }
+        self.facets = first;
+    }
+
     /// The files that were read.
     pub fn files(&self) -> [&Path; 2] {
         [&self.path, &self.points_path]
