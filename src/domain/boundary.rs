@@ -121,7 +121,7 @@ impl Boundary {
     }
 
     /// The input element that a vertex lies on.
-    pub(super) fn carrier(&self, v: u32) -> Carrier {
+    pub fn carrier(&self, v: u32) -> Carrier {
         self.carriers.get(v as usize).copied().unwrap_or_default()
     }
 

@@ -20,7 +20,7 @@
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
 //! or subfacet that is missing from the triangulation, or encroached, is split.
 
-pub(crate) mod acute;
+mod acute;
 pub mod boundary;
 mod build;
 pub mod check;
@@ -35,4 +35,5 @@ pub(crate) mod protect;
 mod sector;
 mod split;
 
+pub use acute::Carrier;
 pub use boundary::Boundary;

@@ -35,14 +35,14 @@ pub enum Command {
 /// The files of a command that reads one and writes any number.
 #[derive(Debug, Args)]
 pub struct Files {
-    /// A TetGen .poly file (a domain), or points: .node, .xyz
+    /// A domain: .poly, .smesh; its surface: .off, .stl, .ply, .obj; or points: .node, .xyz
     #[arg(value_name = "FILE", value_parser = InputFile::parse)]
     pub input: InputFile,
     /// Join facets in one plane that share a side, if their normals differ by at most this angle in degrees, or `off`. Default: 0.01 for
     /// surfaces (.off, .stl, .ply, .obj), off for others. No facet becomes less planar than a facet must be
     #[arg(long, value_name = "ANGLE", value_parser = parse_angle)]
     pub join_coplanar: Option<f64>,
-    /// Write the mesh: .vtu, or .node and .ele (both are written for either); may be given several times
+    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times
     #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
     pub outputs: Vec<OutputFile>,
     /// Print the result as one JSON object
@@ -70,6 +70,9 @@ pub struct Refine {
     /// How Steiner points are chosen
     #[arg(long, value_enum, default_value_t = RuleName::Sparse)]
     pub rule: RuleName,
+    /// Put no Steiner points on segments and facets that are there; what can't be mended so is counted
+    #[arg(long)]
+    pub keep_boundary: bool,
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
@@ -85,7 +88,7 @@ pub struct Delaunay {
 /// Arguments of `check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The file: .poly or .off (a domain), or points: .node, .xyz
+    /// The file, as for `refine`
     #[arg(value_name = "FILE", value_parser = InputFile::parse)]
     pub input: InputFile,
     /// Print the result as one JSON object

@@ -19,6 +19,7 @@ use crate::write::{write, OutputMesh};
 pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     let mut options =
         RefineOptions { radius_edge: arguments.radius_edge, rule: arguments.rule.into(), ..RefineOptions::default() };
+    options.keep_boundary = arguments.keep_boundary;
     if let Some(limit) = arguments.max_vertices {
         options.max_vertices = limit;
     }
@@ -31,7 +32,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
     drop(bar);
-    save(files, &mesh, report.input_vertices, &mut seconds)?;
+    save(files, &mesh, report.input_vertices, &input.content, &mut seconds)?;
     print(
         files,
         &Report {
@@ -100,7 +101,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
     let mesh = mesh.map_err(|error| input.source.explain(&error))?;
     drop(bar);
     let vertices = mesh.triangulation().vertex_count();
-    save(files, &mesh, vertices, &mut seconds)?;
+    save(files, &mesh, vertices, &input.content, &mut seconds)?;
     let view = mesh.view();
     let (worst_radius_edge, min_dihedral_degrees) = extremes(&view);
     print(
@@ -148,11 +149,21 @@ fn open(files: &Files, seconds: &mut Seconds) -> Result<Input, Failure> {
     Ok(input)
 }
 
-fn save(files: &Files, mesh: &Mesh, input_vertices: usize, seconds: &mut Seconds) -> Result<(), Failure> {
+fn save(
+    files: &Files,
+    mesh: &Mesh,
+    input_vertices: usize,
+    content: &Content,
+    seconds: &mut Seconds,
+) -> Result<(), Failure> {
     if files.outputs.is_empty() {
         return Ok(());
     }
-    timed(&mut seconds.write, || write(&files.outputs, &OutputMesh::new(mesh.view(), input_vertices)))
+    let plc = match content {
+        Content::Domain(plc) => Some(plc),
+        Content::Points(_) => None,
+    };
+    timed(&mut seconds.write, || write(&files.outputs, &OutputMesh::new(mesh, input_vertices, plc)))
 }
 
 fn print(files: &Files, report: &Report) -> Result<(), Failure> {
