@@ -32,6 +32,7 @@ pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
 pub use error::{DomainElement, Error};
 pub use glam::DVec3;
 pub use mesh::{Mesh, MeshView};
+pub use refine::sizing::Sizing;
 pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
 pub use refine::{RefineOptions, RefineReport, RefineStatus, Unrefined};
 pub use sampler::Rule;

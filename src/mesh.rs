@@ -12,6 +12,7 @@ use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
+use crate::refine::sizing::{Sizes, Sizing};
 use crate::refine::Unrefined;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
@@ -31,6 +32,8 @@ pub struct Mesh {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Domain {
     pub boundary: Boundary,
+    /// The largest volume asked for in each region.
+    pub volumes: Vec<Option<f64>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -117,7 +120,7 @@ impl Mesh {
         self.forget_view();
         // An id of an input vertex stays one.
         self.t.retire_free_ids();
-        let mut domain = Domain { boundary };
+        let mut domain = Domain { boundary, volumes: Vec::new() };
         if self.t.dimension() == 3 {
             domain.boundary.find_room(&self.t);
             domain.boundary.enqueue_all(&self.t);
@@ -145,7 +148,8 @@ impl Mesh {
             boundary.label(&mut self.t, holes, regions);
         }
         self.forget_view();
-        self.domain = Some(Domain { boundary });
+        let volumes = regions.iter().map(|region| region.max_volume).collect();
+        self.domain = Some(Domain { boundary, volumes });
         Ok(status)
     }
 
@@ -223,6 +227,17 @@ impl Mesh {
     ///
     /// Cost: near-linear in the vertices of the result.
     pub fn refine(&mut self, options: &RefineOptions, control: &Control) -> Result<RefineReport, Error> {
+        self.refine_sized(options, &Sizing::default(), control)
+    }
+
+    /// [`refine`](Self::refine), with sizes that tetrahedra must not exceed. The largest volumes of the complex's regions are such sizes too,
+    /// and are kept without being asked for here.
+    pub fn refine_sized(
+        &mut self,
+        options: &RefineOptions,
+        sizing: &Sizing,
+        control: &Control,
+    ) -> Result<RefineReport, Error> {
         options.check()?;
         if self.domain.is_none() {
             self.use_hull_as_domain()?;
@@ -230,20 +245,30 @@ impl Mesh {
         self.forget_view();
         let mut counts = [0; 3];
         let mut reasons = FxHashMap::default();
+        let (mut at_vertices, mut volumes) = (None, Vec::new());
         let mut status = RefineStatus::Done;
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
             domain.boundary.kept = options.keep_boundary;
+            let asked = Sizes::new(*sizing, &domain.volumes);
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
+            refiner.sizes = (!asked.is_empty()).then_some(asked);
             let result = refiner.refine(control);
+            at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
+            volumes = domain.volumes.clone();
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
             domain.boundary.kept = false;
             status = result?;
         }
         let mut report = self.report_with(options.radius_edge, status, &reasons);
+        if let Some(at_vertices) = at_vertices {
+            let mut sizes = Sizes::new(*sizing, &volumes).with_vertices(at_vertices);
+            let inside: Vec<u32> = self.inside().collect();
+            report.too_large = inside.chunks(4096).map(|some| sizes.too_large(&self.t, some).len()).sum();
+        }
         let waits =
             |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
-        let left = report.bad > 0 || self.boundary().is_some_and(waits);
+        let left = report.bad > 0 || report.too_large > 0 || self.boundary().is_some_and(waits);
         if !left && report.status != RefineStatus::Cancelled {
             // A limit was met with nothing left to do, or what was refused has been mended on the way.
             report.status = RefineStatus::Done;
@@ -275,6 +300,7 @@ impl Mesh {
             facet_splits: 0,
             bad: 0,
             unrefined: [0; Unrefined::ALL.len()],
+            too_large: 0,
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
         };

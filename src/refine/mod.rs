@@ -3,12 +3,14 @@
 //! | module | idea |
 //! |---|---|
 //! | `refiner` | the loop, and rule 3 |
+//! | [`sizing`] | how large tetrahedra may be |
 //! | `split` | rules 1 and 2 |
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
 pub(crate) mod queue;
 pub(crate) mod refiner;
+pub mod sizing;
 pub(crate) mod split;
 pub mod step;
 
@@ -138,6 +140,8 @@ pub struct RefineReport {
     pub bad: usize,
     /// How many of them are left for each reason, in the order of [`Unrefined::ALL`]; their sum is `bad`.
     pub unrefined: [usize; Unrefined::ALL.len()],
+    /// Tetrahedra of the domain that are larger than was asked for.
+    pub too_large: usize,
     /// The largest radius-edge ratio in the domain, 0 without tetrahedra.
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.

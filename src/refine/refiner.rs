@@ -8,15 +8,18 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::queue::{shortest_edge, Queue};
+use super::sizing::Sizes;
 use super::split::Split;
 use super::{RefineOptions, RefineStatus, Unrefined};
 use crate::domain::boundary::{Boundary, Encroached};
 use crate::domain::pending::Demand;
+use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, Rule, Samples};
 use crate::triangulation::cavity::Cavity;
+use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
 
@@ -53,6 +56,8 @@ pub struct Refiner<'a> {
     pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
     progress: f64,
+    /// What is asked for of the size of tetrahedra.
+    pub sizes: Option<Sizes<'a>>,
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
@@ -82,6 +87,7 @@ impl<'a> Refiner<'a> {
             reasons: FxHashMap::default(),
             demand: Demand::NONE,
             progress: 0.0,
+            sizes: None,
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
@@ -106,8 +112,11 @@ impl<'a> Refiner<'a> {
         self.watching = true;
         self.boundary.unblock(self.t);
         let all: Vec<u32> = self.t.topology.finite().collect();
-        for t in all {
+        for &t in &all {
             self.watch(t);
+        }
+        for some in all.chunks(4096) {
+            self.watch_size(some);
         }
         let mut turns = 0usize;
         loop {
@@ -158,13 +167,20 @@ impl<'a> Refiner<'a> {
     fn mend(&mut self, tet: u32) -> Result<(), Error> {
         let v = self.t.topology.tet(tet).v;
         let ([i, j], shortest) = shortest_edge(self.t, tet);
-        if self.boundary.is_seditious(self.t, [v[i], v[j]]) {
+        let bad = self.sizes.is_none() || exceeds_radius_edge(self.t.corners(tet), self.radius_edge);
+        if bad && self.boundary.is_seditious(self.t, [v[i], v[j]]) {
             self.refuse(v, Unrefined::SmallAngle);
             return Ok(());
         }
         // What a split can keep to where input angles are not small, less a little for rounding.
         self.demand = Demand::of(0.499 * self.radius_edge * shortest.sqrt());
-        let samples = self.sample(tet, [i, j]);
+        if !bad {
+            let corners = self.t.corners(tet);
+            let [a, b, c, d] = corners;
+            self.demand = Demand::of(0.125 * circumcenter(a, b, c, d).distance(a));
+        }
+        let samples =
+            if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
         let mut placed_any = false;
         let mut reason = Unrefined::Rounding;
         for &p in &samples.points {
@@ -256,9 +272,34 @@ impl<'a> Refiner<'a> {
 
     /// Looks at the tetrahedra that the last insertion created.
     pub(super) fn finish(&mut self) {
+        if let (Some(sizes), Some(&first)) = (&mut self.sizes, self.cavity.created.first()) {
+            // The vertex that all of them have is the one just inserted.
+            let of = |c: u32| self.t.topology.tet(c).v;
+            let all = |v: &u32| self.cavity.created.iter().all(|&c| of(c).contains(v));
+            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return };
+            let around: Vec<u32> = self.cavity.created.iter().flat_map(|&c| self.t.topology.tet(c).v).collect();
+            sizes.add_vertex(self.t, new, around.into_iter().filter(|&v| v != new && v != GHOST));
+            if self.watching {
+                let created = std::mem::take(&mut self.cavity.created);
+                self.watch_size(&created);
+                self.cavity.created = created;
+            }
+        }
         if self.watching {
             for i in 0..self.cavity.created.len() {
                 self.watch(self.cavity.created[i]);
+            }
+        }
+    }
+
+    /// Queues those of some tetrahedra that are in the domain and too large.
+    fn watch_size(&mut self, some: &[u32]) {
+        let Some(sizes) = &mut self.sizes else { return };
+        let inside: Vec<u32> = some.iter().copied().filter(|&t| self.t.is_inside(t)).collect();
+        for t in sizes.too_large(self.t, &inside) {
+            // A bad one is queued as such.
+            if !exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
+                self.queue.push(self.t, t);
             }
         }
     }

@@ -70,6 +70,9 @@ pub struct Refine {
     /// How Steiner points are chosen
     #[arg(long, value_enum, default_value_t = RuleName::Sparse)]
     pub rule: RuleName,
+    /// The largest length of a tetrahedron's edge; regions of a .poly file have their largest volumes besides
+    #[arg(long, value_name = "LENGTH")]
+    pub max_edge: Option<f64>,
     /// Put no Steiner points on segments and facets that are there; what can't be mended so is counted
     #[arg(long)]
     pub keep_boundary: bool,

@@ -6,7 +6,7 @@ use std::io::Write;
 use glam::DVec3;
 use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
 use wellspaced::mesh::MeshView;
-use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Unrefined};
+use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Sizing, Unrefined};
 
 use crate::args::{Delaunay, Files, Refine};
 use crate::failure::Failure;
@@ -29,7 +29,8 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     let mut input = open(files, &mut seconds)?;
     join(files, &mut input);
     let bar = Bar::new("refine");
-    let refined = refined(&input.content, &options, &bar.control(), &mut seconds);
+    let sizing = Sizing { uniform: arguments.max_edge.unwrap_or(0.0), ..Sizing::default() };
+    let refined = refined(&input.content, &options, &sizing, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
     drop(bar);
     save(files, &mesh, report.input_vertices, &input.content, &mut seconds)?;
@@ -42,6 +43,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
             steiner: report.steiner,
             bad: Some(report.bad),
             unrefined: Some(reasons(&report)),
+            too_large: Some(report.too_large),
             worst_radius_edge: report.worst_radius_edge,
             min_dihedral_degrees: report.min_dihedral_degrees,
             rule: Some(arguments.rule.name()),
@@ -75,6 +77,7 @@ pub fn reasons(report: &RefineReport) -> BTreeMap<&'static str, usize> {
 pub fn refined(
     content: &Content,
     options: &RefineOptions,
+    sizing: &Sizing,
     control: &Control,
     seconds: &mut Seconds,
 ) -> Result<(Mesh, RefineReport), Error> {
@@ -86,7 +89,7 @@ pub fn refined(
             Ok(mesh)
         }
     })?;
-    let report = timed(&mut seconds.refine, || mesh.refine(options, control))?;
+    let report = timed(&mut seconds.refine, || mesh.refine_sized(options, sizing, control))?;
     Ok((mesh, report))
 }
 
@@ -113,6 +116,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
             steiner: 0,
             bad: None,
             unrefined: None,
+            too_large: None,
             worst_radius_edge,
             min_dihedral_degrees,
             rule: None,

@@ -9,7 +9,7 @@ mod row;
 use std::io::{self, Write};
 use std::path::Path;
 
-use wellspaced::RefineOptions;
+use wellspaced::{RefineOptions, Sizing};
 
 use crate::args::{RuleName, Table1};
 use crate::dataset::Dataset;
@@ -63,7 +63,7 @@ fn run(dataset: Dataset, input: &Input, radius_edge: f64, rule: RuleName) -> Res
     let options = RefineOptions { radius_edge, rule: rule.into(), ..RefineOptions::default() };
     let bar = Bar::new(&format!("{} beta {radius_edge} {}", dataset.title(), rule.name()));
     let mut seconds = Seconds::default();
-    let result = refined(&input.content, &options, &bar.control(), &mut seconds);
+    let result = refined(&input.content, &options, &Sizing::default(), &bar.control(), &mut seconds);
     let (_, report) = result.map_err(|error| input.source.explain(&error))?;
     Ok(Row::new(dataset, radius_edge, rule, &report, &seconds))
 }
