@@ -5,8 +5,8 @@
 use std::path::Path;
 
 /// The files in the order in which the header shall tell them.
-const FILES: [&str; 10] =
-    ["status", "options", "control", "plc", "triangulation", "view", "steps", "batch", "refine", "sampler"];
+const FILES: [&str; 11] =
+    ["status", "options", "control", "plc", "check", "triangulation", "view", "steps", "batch", "refine", "sampler"];
 
 #[test]
 fn header_is_up_to_date() {

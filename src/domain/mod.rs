@@ -34,6 +34,8 @@ pub mod plc;
 pub(crate) mod protect;
 mod sector;
 mod split;
+#[cfg(test)]
+mod tests;
 
 pub use acute::Carrier;
 pub use boundary::Boundary;

@@ -148,6 +148,7 @@ impl Arrangement {
         }
         if facet.holes.iter().any(|hole| !hole.is_finite()) {
             defects.push(PlcDefect::new(PlcDefectKind::NotFinite, [element], DVec3::NAN));
+            return;
         }
         let mut vertices = Vec::new();
         let mut sides = Vec::new();

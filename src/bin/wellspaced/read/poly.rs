@@ -351,7 +351,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("wellspaced-poly-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("in.poly");
-        let parse = || parse_poly(&path, b"0 3 0 0\n1 0\n1\n3 1 2 3\n0\n", &mut Source::new(&path));
+        let parse = || parse_poly(&path, b"0 3 0 0\n1 0\n1\n3 1 2 3\n0\n", false, &mut Source::new(&path));
         let missing = parse().unwrap_err().message().to_owned();
         std::fs::write(folder.join("in.node"), "3 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n").unwrap();
         let plc = parse();
