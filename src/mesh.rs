@@ -16,6 +16,9 @@ use crate::refine::sizing::{Sizes, Sizing};
 use crate::refine::Unrefined;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
+/// How often a refinement looks for labels on the wrong side.
+const RELABELLINGS: usize = 16;
+
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -32,8 +35,10 @@ pub struct Mesh {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Domain {
     pub boundary: Boundary,
-    /// The largest volume asked for in each region.
-    pub volumes: Vec<Option<f64>>,
+    /// The seeds, to find the labels from.
+    pub holes: Vec<DVec3>,
+    /// The seeds of regions.
+    pub regions: Vec<PlcRegion>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -120,7 +125,7 @@ impl Mesh {
         self.forget_view();
         // An id of an input vertex stays one.
         self.t.retire_free_ids();
-        let mut domain = Domain { boundary, volumes: Vec::new() };
+        let mut domain = Domain { boundary, ..Domain::default() };
         if self.t.dimension() == 3 {
             domain.boundary.find_room(&self.t);
             domain.boundary.enqueue_all(&self.t);
@@ -143,13 +148,13 @@ impl Mesh {
             boundary.enqueue_all(&self.t);
             status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
             boundary.recovering = false;
+            boundary.disturbed = false;
             boundary.find_room(&self.t);
             boundary.enqueue_all(&self.t);
             boundary.label(&mut self.t, holes, regions);
         }
         self.forget_view();
-        let volumes = regions.iter().map(|region| region.max_volume).collect();
-        self.domain = Some(Domain { boundary, volumes });
+        self.domain = Some(Domain { boundary, holes: holes.to_vec(), regions: regions.to_vec() });
         Ok(status)
     }
 
@@ -249,12 +254,26 @@ impl Mesh {
         let mut status = RefineStatus::Done;
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
             domain.boundary.kept = options.keep_boundary;
-            let asked = Sizes::new(*sizing, &domain.volumes);
+            volumes = domain.regions.iter().map(|region| region.max_volume).collect();
+            let asked = Sizes::new(*sizing, &volumes);
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             refiner.sizes = (!asked.is_empty()).then_some(asked);
-            let result = refiner.refine(control);
+            let mut result = refiner.refine(false, control);
+            // While a subfacet is missing, labels may come to its other side: they are found anew, and what has come into the domain is refined.
+            for _ in 0..RELABELLINGS {
+                if result.is_err() || !std::mem::take(&mut refiner.boundary.disturbed) {
+                    break;
+                }
+                let restored = refiner.restore(&domain.holes, &domain.regions, control);
+                match (restored, &result) {
+                    (Ok(true), Ok(RefineStatus::Done | RefineStatus::Unrefined)) => {
+                        result = refiner.refine(true, control);
+                    }
+                    (Ok(_), _) => break,
+                    (Err(error), _) => result = Err(error),
+                }
+            }
             at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
-            volumes = domain.volumes.clone();
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
             domain.boundary.kept = false;

@@ -7,7 +7,7 @@
 //!
 //! Together with the concentric shells of [`split`](super::split) around acute vertices this lets refinement end.
 
-use super::boundary::{edge_key, face_key, Boundary};
+use super::boundary::{edge_key, face_key, Boundary, SHARP};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -67,6 +67,31 @@ impl Boundary {
             }
             _ => false,
         }
+    }
+
+    /// Finds the segments along which two facets meet at less than 60°.
+    pub(super) fn find_sharp(&mut self, t: &Triangulation) {
+        let mut sharp = vec![false; self.segments.len()];
+        let mut inward: Vec<DVec3> = Vec::new();
+        for (&[a, b], &segment) in &self.subsegments {
+            inward.clear();
+            let along = (t.at(b) - t.at(a)).normalize_or_zero();
+            for &facet in &self.segments[segment as usize].facets {
+                for triangle in self.facets[facet as usize].at_edge([a, b]) {
+                    inward.push((t.at(triangle[2]) - t.at(a)).reject_from_normalized(along));
+                }
+            }
+            // Seven directions in a plane have two at less than 60°.
+            let close = |(i, u): (usize, &DVec3)| inward[..i].iter().any(|v| is_acute(*u, *v));
+            sharp[segment as usize] |= inward.len() > 6 || inward.iter().enumerate().any(close);
+        }
+        for ([a, b], segment) in self.subsegments() {
+            if sharp[segment as usize] {
+                self.mark(a, SHARP);
+                self.mark(b, SHARP);
+            }
+        }
+        self.sharp_segments = sharp;
     }
 
     /// The input element of a subsegment or subfacet.

@@ -36,6 +36,8 @@ pub(super) const ON_SEGMENT: u8 = 1;
 pub(super) const ON_FACET: u8 = 2;
 /// A vertex is an end of two segments that meet at less than 60°.
 pub(super) const ACUTE: u8 = 4;
+/// A vertex lies on a segment where two facets meet at less than 60°.
+pub(super) const SHARP: u8 = 8;
 
 /// Elements that are encroached before the refinement begins are split down to this part of their shortest side, where they meet others acutely.
 const FIRST_SPLITS: f64 = 0.125;
@@ -105,8 +107,12 @@ pub struct Boundary {
     pub(crate) blocked_facets: FxHashMap<[u32; 3], f64>,
     /// While the boundary is being recovered only what is missing is split, not what is encroached.
     pub(crate) recovering: bool,
+    /// An element was missing for a while: the labels of tetrahedra may have come to its other side.
+    pub(crate) disturbed: bool,
     /// Nothing that is there may be split.
     pub(crate) kept: bool,
+    /// Whether facets meet at less than 60° along each segment.
+    pub(super) sharp_segments: Vec<bool>,
     /// The length of the shortest segment at each acute vertex.
     pub(super) shortest_at: FxHashMap<u32, f64>,
     /// The distance of the nearest vertex to each acute vertex, when the boundary had been recovered.
@@ -287,9 +293,40 @@ impl Boundary {
         let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
         found.segments.append(&mut found.lost_segments);
         found.facets.append(&mut found.lost_facets);
-        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
-        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
+        let (edges, faces) = (std::mem::take(&mut found.segments), std::mem::take(&mut found.facets));
+        for edge in edges {
+            if !is_edge(edge) {
+                self.recover_segment(edge);
+            } else if self.vertex_encroaches_segment(t, edge, v) {
+                found.segments.push(edge);
+            }
+        }
+        for face in faces {
+            if !is_face(face) {
+                self.recover_facet(face);
+            } else if self.vertex_encroaches_facet(t, face, v) {
+                found.facets.push(face);
+            }
+        }
         self.enqueue(&found, demand);
+    }
+
+    /// Queues a subsegment that has gone missing: nothing may keep it from being split.
+    fn recover_segment(&mut self, edge: [u32; 2]) {
+        if self.subsegments.contains_key(&edge) {
+            self.disturbed = true;
+            self.blocked_segments.remove(&edge);
+            self.pending_segments.push_back((edge, Demand::NONE));
+        }
+    }
+
+    /// Queues a subfacet that has gone missing.
+    fn recover_facet(&mut self, face: [u32; 3]) {
+        if self.subfacets.contains_key(&face) {
+            self.disturbed = true;
+            self.blocked_facets.remove(&face);
+            self.pending_facets.push_back((face, Demand::NONE));
+        }
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
@@ -441,13 +478,17 @@ impl Boundary {
         for &edge in segments {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
+            if around.is_empty() {
+                self.recover_segment(edge_key(edge));
+            } else if around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
                 self.pending_segments.push_back((edge_key(edge), demand));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
+            if around.is_empty() {
+                self.recover_facet(face_key(face));
+            } else if around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
                 self.pending_facets.push_back((face_key(face), demand));
             }
         }

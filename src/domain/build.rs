@@ -45,6 +45,7 @@ impl Boundary {
         }
         boundary.find_acute(t);
         boundary.find_shortest(t);
+        boundary.find_sharp(t);
         Ok(boundary)
     }
 
@@ -110,6 +111,7 @@ impl Boundary {
         }
         boundary.find_acute(t);
         boundary.find_shortest(t);
+        boundary.find_sharp(t);
         boundary
     }
 

@@ -3,7 +3,7 @@
 //! bad tetrahedron asks for makes no edge shorter than β/2 times the tetrahedron's shortest, unless input angles are small. So this is
 //! demanded of such a split, and of those that follow from it at acute input vertices: one that can't keep it is left out.
 
-use super::boundary::{Boundary, ACUTE};
+use super::boundary::{Boundary, ACUTE, SHARP};
 use crate::triangulation::Triangulation;
 
 /// What is demanded of a split.
@@ -43,7 +43,7 @@ impl Boundary {
         let room = acute.map(|v| self.room_at.get(v).copied().unwrap_or(0.0)).reduce(f64::max);
         match room {
             Some(room) => demand.length.max(0.5 * room),
-            None if demand.follows => 0.0,
+            None if demand.follows && !corners.iter().any(|&v| self.kind(v) & SHARP != 0) => 0.0,
             None => demand.length,
         }
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::acute::Carrier;
-use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
+use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
 use super::facet::{FacetChange, InSpace};
 use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
@@ -83,7 +83,8 @@ impl Boundary {
         for part in parts {
             self.subsegments.entry(part).or_insert(segment);
         }
-        self.mark(new, ON_SEGMENT);
+        let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
+        self.mark(new, ON_SEGMENT | if sharp { SHARP } else { 0 });
         self.carry(new, Carrier::Segment(segment));
         self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {

@@ -13,6 +13,7 @@ use super::split::Split;
 use super::{RefineOptions, RefineStatus, Unrefined};
 use crate::domain::boundary::{Boundary, Encroached};
 use crate::domain::pending::Demand;
+use crate::domain::plc::PlcRegion;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::exceeds_radius_edge;
@@ -37,7 +38,7 @@ pub enum Placed {
 /// One refinement under way.
 pub struct Refiner<'a> {
     pub(super) t: &'a mut Triangulation,
-    pub(super) boundary: &'a mut Boundary,
+    pub(crate) boundary: &'a mut Boundary,
     radius_edge: f64,
     rule: Rule,
     max_vertices: usize,
@@ -107,10 +108,29 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// The whole loop.
-    pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
+    /// Recovers what has gone missing after all, and finds the labels of all tetrahedra anew. Returns whether any has changed.
+    pub fn restore(&mut self, holes: &[DVec3], regions: &[PlcRegion], control: &Control) -> Result<bool, Error> {
+        let (watching, kept) = (self.watching, self.boundary.kept);
+        self.boundary.recovering = true;
+        self.boundary.kept = false;
+        self.boundary.enqueue_all(self.t);
+        let result = self.recover(control);
+        self.boundary.recovering = false;
+        self.boundary.kept = kept;
+        self.watching = watching;
+        result?;
+        let before = self.t.topology.region.clone();
+        self.boundary.label(self.t, holes, regions);
+        let live = self.t.topology.finite();
+        Ok(live.into_iter().any(|t| before.get(t as usize) != self.t.topology.region.get(t as usize)))
+    }
+
+    /// The whole loop. `again` goes on from an end that came before some tetrahedra were known to be in the domain.
+    pub fn refine(&mut self, again: bool, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
-        self.boundary.unblock(self.t);
+        if !again {
+            self.boundary.unblock(self.t);
+        }
         let all: Vec<u32> = self.t.topology.finite().collect();
         for &t in &all {
             self.watch(t);
@@ -238,8 +258,13 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
-        if !self.encroached.is_empty() {
+        // A boundary that is kept is no worse for points in the balls of its elements, as long as these stay.
+        let harmless = self.boundary.kept && !self.boundary.loses(self.t, &self.cavity, &self.encroached);
+        if !self.encroached.is_empty() && !harmless {
             self.cavity.clear();
+            if self.boundary.kept {
+                return Ok(Placed::Refused(Unrefined::Boundary));
+            }
             let demand = self.demand;
             self.boundary.drop_blocked(&mut self.encroached, demand);
             if !self.encroached.segments.is_empty() {
