@@ -10,10 +10,10 @@ use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
-use crate::triangulation::topology::tet_of;
-use crate::triangulation::Defect;
 use crate::refine::sizing::{Sizes, Sizing};
 use crate::refine::Unrefined;
+use crate::triangulation::topology::tet_of;
+use crate::triangulation::Defect;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// How often a refinement looks for labels on the wrong side.
@@ -256,6 +256,8 @@ impl Mesh {
             domain.boundary.kept = options.keep_boundary;
             volumes = domain.regions.iter().map(|region| region.max_volume).collect();
             let asked = Sizes::new(*sizing, &volumes);
+            // Near small input angles splits might run away in the end: then all of it is taken back and the boundary kept.
+            let before = domain.boundary.has_small_angles().then(|| (self.t.clone(), domain.boundary.clone()));
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             refiner.sizes = (!asked.is_empty()).then_some(asked);
             let mut result = refiner.refine(false, control);
@@ -272,6 +274,15 @@ impl Mesh {
                     (Ok(_), _) => break,
                     (Err(error), _) => result = Err(error),
                 }
+            }
+            let broken = refiner.runs_away || refiner.boundary.first_missing(refiner.t).is_some();
+            if let (true, Some((t, boundary)), Ok(_)) = (broken, before, &result) {
+                let sizes = Sizes::new(*sizing, &volumes);
+                (*refiner.t, *refiner.boundary) = (t, boundary);
+                refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
+                refiner.boundary.kept = true;
+                refiner.sizes = (!sizes.is_empty()).then_some(sizes);
+                result = refiner.refine(false, control);
             }
             at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
@@ -302,12 +313,7 @@ impl Mesh {
     }
 
     /// [`report`](Self::report) with the reasons for which tetrahedra were left.
-    fn report_with(
-        &self,
-        bound: f64,
-        status: RefineStatus,
-        reasons: &FxHashMap<[u32; 4], Unrefined>,
-    ) -> RefineReport {
+    fn report_with(&self, bound: f64, status: RefineStatus, reasons: &FxHashMap<[u32; 4], Unrefined>) -> RefineReport {
         let mut report = RefineReport {
             status,
             input_vertices: self.input_vertex_count(),

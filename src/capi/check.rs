@@ -2,11 +2,11 @@
 
 use std::ffi::{c_char, CString};
 
+use super::args;
 use super::guard::{call, call_void, Failure};
 use super::plc::wsp_plc;
 use super::sized::{self, Sized_};
 use super::status::*;
-use super::args;
 use crate::{DomainElement, PlcCheck, PlcDefect, PlcDefectKind, Severity};
 
 /// What wsp_plc_check has found. It never changes, so any thread may read it at any time.
@@ -234,7 +234,11 @@ pub unsafe extern "C" fn wsp_check_count(check: *const wsp_check, errors: *mut u
 /// Fills in defect `index`, from 0. Constant time.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_ARGUMENT (there is no such defect).
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn wsp_check_defect(check: *const wsp_check, index: usize, defect: *mut wsp_defect) -> wsp_status {
+pub unsafe extern "C" fn wsp_check_defect(
+    check: *const wsp_check,
+    index: usize,
+    defect: *mut wsp_defect,
+) -> wsp_status {
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
     call("wsp_check_defect", || unsafe {
         let check = args::reference(check, "check")?;

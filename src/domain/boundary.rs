@@ -109,6 +109,8 @@ pub struct Boundary {
     pub(crate) recovering: bool,
     /// An element was missing for a while: the labels of tetrahedra may have come to its other side.
     pub(crate) disturbed: bool,
+    /// How often an element has gone missing in this refinement.
+    pub(crate) recoveries: usize,
     /// Nothing that is there may be split.
     pub(crate) kept: bool,
     /// Whether facets meet at less than 60° along each segment.
@@ -183,9 +185,18 @@ impl Boundary {
         all
     }
 
+    pub(crate) fn subfacet_count(&self) -> usize {
+        self.subfacets.len()
+    }
+
     /// Whether it bounds nothing.
     pub fn is_empty(&self) -> bool {
         self.subsegments.is_empty() && self.subfacets.is_empty()
+    }
+
+    /// Whether small input angles may let splits call for others without end.
+    pub(crate) fn has_small_angles(&self) -> bool {
+        !self.sharpness.is_empty() || self.sharp_segments.contains(&true)
     }
 
     /// The input segments.
@@ -315,6 +326,7 @@ impl Boundary {
     fn recover_segment(&mut self, edge: [u32; 2]) {
         if self.subsegments.contains_key(&edge) {
             self.disturbed = true;
+            self.recoveries += usize::from(!self.recovering);
             self.blocked_segments.remove(&edge);
             self.pending_segments.push_back((edge, Demand::NONE));
         }
@@ -324,6 +336,7 @@ impl Boundary {
     fn recover_facet(&mut self, face: [u32; 3]) {
         if self.subfacets.contains_key(&face) {
             self.disturbed = true;
+            self.recoveries += usize::from(!self.recovering);
             self.blocked_facets.remove(&face);
             self.pending_facets.push_back((face, Demand::NONE));
         }
@@ -350,7 +363,11 @@ impl Boundary {
 
     /// The next subsegment to split.
     pub(crate) fn next_pending_segment(&self) -> Option<[u32; 2]> {
-        self.pending_segments.iter().copied().find(|&(edge, demand)| self.waits_segment(edge, demand)).map(|(edge, _)| edge)
+        self.pending_segments
+            .iter()
+            .copied()
+            .find(|&(edge, demand)| self.waits_segment(edge, demand))
+            .map(|(edge, _)| edge)
     }
 
     /// The next subfacet to split.

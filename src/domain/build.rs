@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, Segment, ACUTE, ON_FACET, ON_SEGMENT};
-use super::facet::{dominant_axis, FacetTriangulation};
 use super::check::arrangement::Arrangement;
+use super::facet::{dominant_axis, FacetTriangulation};
 use super::planar::{facet_normal, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;

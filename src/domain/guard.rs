@@ -45,9 +45,8 @@ impl Boundary {
         split: Option<[u32; 2]>,
         changes: &[(u32, FacetChange)],
     ) -> bool {
-        let planned = |face: [u32; 3]| {
-            changes.iter().any(|(_, change)| change.removed.iter().any(|&r| face_key(r) == face))
-        };
+        let planned =
+            |face: [u32; 3]| changes.iter().any(|(_, change)| change.removed.iter().any(|&r| face_key(r) == face));
         let spared_edge = |&edge: &[u32; 2]| {
             let Some(&segment) = self.subsegments.get(&edge) else { return false };
             let middle = 0.5 * t.at(edge[0]) + 0.5 * t.at(edge[1]);

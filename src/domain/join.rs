@@ -83,9 +83,9 @@ impl Plc {
         let mut points: Vec<u32> = Vec::new();
         for &member in members {
             for side in sides(&self.facets[member as usize]) {
-                let between = at_side.get(&side).is_some_and(|at| {
-                    at.len() == 2 && at.iter().all(|facet| inside.binary_search(facet).is_ok())
-                });
+                let between = at_side
+                    .get(&side)
+                    .is_some_and(|at| at.len() == 2 && at.iter().all(|facet| inside.binary_search(facet).is_ok()));
                 if !between {
                     kept.push(side);
                 }

@@ -79,13 +79,21 @@ impl Boundary {
         if self.is_subsegment([near, far]) {
             // The facet ends within the sphere: a smaller one is wanted.
             let sides = [[x, near], [x, far], [near, far]];
-            return sides.into_iter().find(|&side| self.is_subsegment(side)).map(|side| FacetSplit::Segment(edge_key(side)));
+            return sides
+                .into_iter()
+                .find(|&side| self.is_subsegment(side))
+                .map(|side| FacetSplit::Segment(edge_key(side)));
         }
         let on_segment = |v: u32| self.kind(v) & ON_SEGMENT != 0;
         let (from, to) = match (on_segment(near), on_segment(far)) {
             (true, false) => (near, far),
             (false, true) => (far, near),
-            _ => return Some(FacetSplit::At(center + (direction(near) + direction(far)).normalize_or_zero() * radius, face)),
+            _ => {
+                return Some(FacetSplit::At(
+                    center + (direction(near) + direction(far)).normalize_or_zero() * radius,
+                    face,
+                ))
+            }
         };
         // A chord of a power of two between a third and two thirds, from the segment's end.
         let chord = t.at(from).distance(t.at(to));

@@ -37,7 +37,7 @@ pub enum Placed {
 
 /// One refinement under way.
 pub struct Refiner<'a> {
-    pub(super) t: &'a mut Triangulation,
+    pub(crate) t: &'a mut Triangulation,
     pub(crate) boundary: &'a mut Boundary,
     radius_edge: f64,
     rule: Rule,
@@ -57,6 +57,10 @@ pub struct Refiner<'a> {
     pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
     progress: f64,
+    /// More elements than this may not go missing.
+    recovery_limit: usize,
+    /// They did, or could not be recovered.
+    pub runs_away: bool,
     /// What is asked for of the size of tetrahedra.
     pub sizes: Option<Sizes<'a>>,
     pub samples: usize,
@@ -71,6 +75,8 @@ impl<'a> Refiner<'a> {
     pub fn new(t: &'a mut Triangulation, boundary: &'a mut Boundary, options: &RefineOptions) -> Refiner<'a> {
         let (low, high) = t.bounding_box();
         let default = (high - low).length() * (1.0 / (1u64 << 40) as f64);
+        boundary.recoveries = 0;
+        let recovery_limit = 2000 + boundary.subfacet_count();
         Refiner {
             t,
             boundary,
@@ -88,6 +94,8 @@ impl<'a> Refiner<'a> {
             reasons: FxHashMap::default(),
             demand: Demand::NONE,
             progress: 0.0,
+            recovery_limit,
+            runs_away: false,
             sizes: None,
             samples: 0,
             segment_splits: 0,
@@ -114,11 +122,16 @@ impl<'a> Refiner<'a> {
         self.boundary.recovering = true;
         self.boundary.kept = false;
         self.boundary.enqueue_all(self.t);
+        let limit = std::mem::replace(&mut self.max_vertices, 2000 + self.t.vertex_count() * 5 / 4);
         let result = self.recover(control);
+        self.max_vertices = limit;
         self.boundary.recovering = false;
         self.boundary.kept = kept;
         self.watching = watching;
-        result?;
+        if result? == RefineStatus::VertexLimit {
+            self.runs_away = true;
+            return Ok(false);
+        }
         let before = self.t.topology.region.clone();
         self.boundary.label(self.t, holes, regions);
         let live = self.t.topology.finite();
@@ -165,6 +178,10 @@ impl<'a> Refiner<'a> {
         if !go_on {
             return Some(RefineStatus::Cancelled);
         }
+        if self.boundary.recoveries > self.recovery_limit {
+            self.runs_away = true;
+            return Some(RefineStatus::Unrefined);
+        }
         let work_left = open > 0;
         (vertices >= self.max_vertices && work_left).then_some(RefineStatus::VertexLimit)
     }
@@ -199,8 +216,7 @@ impl<'a> Refiner<'a> {
             let [a, b, c, d] = corners;
             self.demand = Demand::of(0.125 * circumcenter(a, b, c, d).distance(a));
         }
-        let samples =
-            if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
+        let samples = if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
         let mut placed_any = false;
         let mut reason = Unrefined::Rounding;
         for &p in &samples.points {

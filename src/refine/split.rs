@@ -140,8 +140,7 @@ impl Refiner<'_> {
             return Some(reach);
         }
         let carrier = self.boundary.carrier_of(corners);
-        let endangered =
-            self.boundary.endangers(self.t, (carrier, p), &self.cavity, &self.encroached, split, changes);
+        let endangered = self.boundary.endangers(self.t, (carrier, p), &self.cavity, &self.encroached, split, changes);
         endangered.then_some(NEVER)
     }
 

@@ -206,8 +206,12 @@ impl Mesh {
                     Placed::Inserted(v) => Some(v),
                     Placed::Encroaches | Placed::Refused(_) => None,
                 },
-                Origin::Segment(edge) if refiner.boundary.is_subsegment(edge) => done(refiner.split_segment(edge, Demand::NONE)?),
-                Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => done(refiner.split_facet(face, Demand::NONE)?),
+                Origin::Segment(edge) if refiner.boundary.is_subsegment(edge) => {
+                    done(refiner.split_segment(edge, Demand::NONE)?)
+                }
+                Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => {
+                    done(refiner.split_facet(face, Demand::NONE)?)
+                }
                 _ => None,
             };
             // A split may end at a vertex that was there already.

@@ -235,7 +235,10 @@ fn domains_without_volume_are_refused() {
     assert_eq!(element(&plc).0, DomainElement::Facet(4));
     let mut plc = random_box(0, 1);
     plc.facets[2].polygons[0] = vec![0, 1];
-    assert_eq!(element(&plc), (DomainElement::Facet(2), "has no area: its points lie on a line through (-1.5, -1.5, -1.5)".into()));
+    assert_eq!(
+        element(&plc),
+        (DomainElement::Facet(2), "has no area: its points lie on a line through (-1.5, -1.5, -1.5)".into())
+    );
     let mut plc = random_box(0, 1);
     plc.facets[3].polygons[0][0] = 0;
     assert!(element(&plc).1.starts_with("is not planar"));

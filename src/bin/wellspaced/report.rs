@@ -108,7 +108,15 @@ mod tests {
         };
         let json = r#"{"input_vertices":10,"vertices":30,"tetrahedra":99,"steiner":20,"bad":0,"unrefined":{"boundary":2},"too_large":0,"worst_radius_edge":1.5,"min_dihedral_degrees":0.25,"rule":"paper","radius_edge":2.0,"status":"done","seconds":{"read":0.0,"delaunay":0.0,"refine":0.0,"write":0.0}}"#;
         assert_eq!(report.json(), json);
-        let delaunay = Report { bad: None, unrefined: None, too_large: None, rule: None, radius_edge: None, worst_radius_edge: f64::INFINITY, ..report };
+        let delaunay = Report {
+            bad: None,
+            unrefined: None,
+            too_large: None,
+            rule: None,
+            radius_edge: None,
+            worst_radius_edge: f64::INFINITY,
+            ..report
+        };
         assert!(delaunay.json().contains(r#""bad":null,"unrefined":null,"too_large":null,"worst_radius_edge":null,"#));
         assert!(!delaunay.text().contains("bad"));
     }

@@ -40,9 +40,7 @@ pub(super) fn find(plc: &Plc, a: &mut Arrangement, defects: &mut Vec<PlcDefect>)
 
 /// The points that stand for themselves and are fit for the predicates.
 fn usable_points(a: &Arrangement) -> impl Iterator<Item = u32> + '_ {
-    let usable = |&v: &u32| {
-        a.first[v as usize] == v && crate::geometry::check_range(0, a.points[v as usize]).is_ok()
-    };
+    let usable = |&v: &u32| a.first[v as usize] == v && crate::geometry::check_range(0, a.points[v as usize]).is_ok();
     (0..a.points.len() as u32).filter(usable)
 }
 
@@ -153,12 +151,7 @@ fn crossing(denominator: DVec3, numerator: DVec3) -> f64 {
     (numerator.dot(denominator) / denominator.length_squared()).clamp(0.0, 1.0)
 }
 
-fn sides_through_facets(
-    a: &Arrangement,
-    sides: &RTree<Boxed>,
-    triangles: &RTree<Boxed>,
-    defects: &mut Vec<PlcDefect>,
-) {
+fn sides_through_facets(a: &Arrangement, sides: &RTree<Boxed>, triangles: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
     let apart = |i: u32, j: u32| {
         let (side, (triangle, facet)) = (&a.sides[i as usize], &a.triangles[j as usize]);
         !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)

@@ -128,7 +128,13 @@ mod tests {
     #[test]
     fn a_mesh_without_tetrahedra_is_a_whole_document() {
         let mut bytes = Vec::new();
-        let mesh = OutputMesh { points: vec![DVec3::ZERO], steiner: vec![false], point_kinds: vec![1], point_markers: vec![0], ..OutputMesh::default() };
+        let mesh = OutputMesh {
+            points: vec![DVec3::ZERO],
+            steiner: vec![false],
+            point_kinds: vec![1],
+            point_markers: vec![0],
+            ..OutputMesh::default()
+        };
         write_vtu(&mut bytes, &mesh).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.ends_with("</VTKFile>\n"));
