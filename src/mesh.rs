@@ -17,7 +17,7 @@ use crate::triangulation::Defect;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// How often a refinement looks for labels on the wrong side.
-const RELABELLINGS: usize = 16;
+const RELABELLINGS: usize = 4;
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]

@@ -76,7 +76,7 @@ impl<'a> Refiner<'a> {
         let (low, high) = t.bounding_box();
         let default = (high - low).length() * (1.0 / (1u64 << 40) as f64);
         boundary.recoveries = 0;
-        let recovery_limit = 2000 + boundary.subfacet_count();
+        let recovery_limit = 200 + boundary.subfacet_count() / 16;
         Refiner {
             t,
             boundary,
@@ -122,7 +122,7 @@ impl<'a> Refiner<'a> {
         self.boundary.recovering = true;
         self.boundary.kept = false;
         self.boundary.enqueue_all(self.t);
-        let limit = std::mem::replace(&mut self.max_vertices, 2000 + self.t.vertex_count() * 5 / 4);
+        let limit = std::mem::replace(&mut self.max_vertices, 200 + self.t.vertex_count() * 17 / 16);
         let result = self.recover(control);
         self.max_vertices = limit;
         self.boundary.recovering = false;
