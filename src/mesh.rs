@@ -16,6 +16,13 @@ use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
+/// Whether each label has the volume it had, to a millionth of the largest.
+fn same_volumes(before: &[f64], after: &[f64]) -> bool {
+    let largest = before.iter().copied().fold(0.0, f64::max);
+    let at = |volumes: &[f64], i: usize| volumes.get(i).copied().unwrap_or(0.0);
+    (0..before.len().max(after.len())).all(|i| (at(before, i) - at(after, i)).abs() <= 1e-6 * largest)
+}
+
 /// How often a refinement looks for labels on the wrong side.
 const RELABELLINGS: usize = 4;
 
@@ -256,8 +263,9 @@ impl Mesh {
             domain.boundary.kept = options.keep_boundary;
             volumes = domain.regions.iter().map(|region| region.max_volume).collect();
             let asked = Sizes::new(*sizing, &volumes);
-            // Near small input angles splits might run away in the end: then all of it is taken back and the boundary kept.
-            let before = domain.boundary.has_small_angles().then(|| (self.t.clone(), domain.boundary.clone()));
+            // Splits might run away in the end, or rounding lose a part of the boundary: then all of it is taken back and the boundary kept.
+            let before = (self.t.clone(), domain.boundary.clone());
+            let volumes_before = self.t.label_volumes();
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             refiner.sizes = (!asked.is_empty()).then_some(asked);
             let mut result = refiner.refine(false, control);
@@ -275,8 +283,11 @@ impl Mesh {
                     (Err(error), _) => result = Err(error),
                 }
             }
-            let broken = refiner.runs_away || refiner.boundary.first_missing(refiner.t).is_some();
-            if let (true, Some((t, boundary)), Ok(_)) = (broken, before, &result) {
+            // A safety net: no refinement changes what volume a label has, but by the rounding of points on slanted facets.
+            let broken = refiner.runs_away
+                || refiner.boundary.first_missing(refiner.t).is_some()
+                || !same_volumes(&volumes_before, &refiner.t.label_volumes());
+            if let (true, (t, boundary), Ok(_)) = (broken, before, &result) {
                 let sizes = Sizes::new(*sizing, &volumes);
                 (*refiner.t, *refiner.boundary) = (t, boundary);
                 refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);

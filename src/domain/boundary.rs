@@ -194,11 +194,6 @@ impl Boundary {
         self.subsegments.is_empty() && self.subfacets.is_empty()
     }
 
-    /// Whether small input angles may let splits call for others without end.
-    pub(crate) fn has_small_angles(&self) -> bool {
-        !self.sharpness.is_empty() || self.sharp_segments.contains(&true)
-    }
-
     /// The input segments.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

@@ -54,10 +54,29 @@ impl Plc {
                     next += 1;
                 }
             }
-            facets.push(self.union(&members, &at_side));
+            let union = self.union(&members, &at_side);
+            if members.len() == 1 || self.covers(&union, &members) {
+                facets.push(union);
+                continue;
+            }
+            // The outline does not say where the facet is (rings that touch, folds): its parts stay apart.
+            for &member in &members {
+                group[member as usize] = facets.len() as u32;
+                facets.push(self.facets[member as usize].clone());
+            }
         }
         self.facets = facets;
         group
+    }
+
+    /// Whether a union fills the area that its members fill.
+    fn covers(&self, union: &PlcFacet, members: &[u32]) -> bool {
+        let area = |facet: &PlcFacet| super::planar::area(&self.points, facet);
+        let parts: Option<f64> = members.iter().map(|&member| area(&self.facets[member as usize])).sum();
+        match (area(union), parts) {
+            (Some(whole), Some(parts)) => (whole - parts).abs() <= 1e-9 * parts,
+            _ => false,
+        }
     }
 
     fn single_normal(&self, facet: &PlcFacet) -> Option<DVec3> {

@@ -49,6 +49,20 @@ impl Boundary {
 }
 
 impl Triangulation {
+    /// The volume of each label's tetrahedra.
+    pub(crate) fn label_volumes(&self) -> Vec<f64> {
+        let mut volumes = Vec::new();
+        for t in self.topology.finite() {
+            let label = self.topology.region.get(t as usize).copied().unwrap_or(OUTSIDE) as usize;
+            if volumes.len() <= label {
+                volumes.resize(label + 1, 0.0);
+            }
+            let [a, b, c, d] = self.corners(t);
+            volumes[label] += (b - a).cross(c - a).dot(d - a) / 6.0;
+        }
+        volumes
+    }
+
     /// A tetrahedron that holds the point, none when it is outside the hull.
     fn tetrahedra_at(&self, p: DVec3) -> Vec<u32> {
         let vertices = match self.locate(p, None) {

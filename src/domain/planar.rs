@@ -101,6 +101,25 @@ pub fn triangles_within(
         .collect())
 }
 
+/// The area of a facet's triangles; none when it can't be triangulated.
+pub fn area(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<f64> {
+    let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut sides = Vec::new();
+    for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
+        sides.extend(
+            (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])),
+        );
+    }
+    sides.sort_unstable();
+    sides.dedup();
+    let axis = super::facet::dominant_axis(facet_normal(points, &vertices)?);
+    let triangles = triangles_within(points, &vertices, &sides, axis, &facet.holes).ok()?;
+    let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
+    Some(corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum())
+}
+
 /// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.
 pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]) -> Vec<DVec3> {
     let points = &plc.points;
