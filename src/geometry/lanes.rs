@@ -26,6 +26,10 @@ pub trait Lanes: Copy {
     fn abs(self) -> Self;
     /// The greater of two numbers, neither of them NaN.
     fn max(self, other: Self) -> Self;
+    /// The lesser of two numbers, neither of them NaN.
+    fn min(self, other: Self) -> Self;
+    /// The numbers, lane 0 first.
+    fn to_array(self) -> [f64; 4];
     /// Lane `LANE` from `other`, the rest from `self`.
     fn with_lane<const LANE: usize>(self, other: Self) -> Self;
     /// Lanes 1, 2, 3, 0.
@@ -104,6 +108,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.with(other, f64::max)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.with(other, f64::min)
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; 4] {
+        self.0
     }
     #[inline(always)]
     fn with_lane<const LANE: usize>(mut self, other: Self) -> Self {
@@ -205,6 +217,16 @@ mod x86 {
             Avx2(unsafe { _mm256_max_pd(self.0, other.0) })
         }
         #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Avx2(unsafe { _mm256_min_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn to_array(self) -> [f64; 4] {
+            // SAFETY: see above; four doubles of 8 bytes.
+            unsafe { std::mem::transmute(self.0) }
+        }
+        #[inline(always)]
         fn with_lane<const LANE: usize>(self, other: Self) -> Self {
             // SAFETY: see above.
             Avx2(unsafe {
@@ -268,12 +290,14 @@ mod tests {
             x.mul_sub(y, z),
             x.sub(y).abs(),
             x.max(y),
+            x.min(y),
             x.with_lane::<0>(five),
             x.with_lane::<1>(five),
             x.with_lane::<2>(five),
             x.with_lane::<3>(five),
             x.rotate(),
         ];
+        assert_eq!(y.to_array(), [10.0, 7.0, 4.0, 1.0]);
         // The numbers are small integers: find each by comparisons.
         let mut bits = Vec::new();
         for value in results {
@@ -297,7 +321,7 @@ mod tests {
     fn the_portable_lanes_do_as_they_say() {
         let (bits, compressed) = everything::<Portable>();
         // Lane i of the values in order of `everything`.
-        let expected: [[i32; 4]; 15] = [
+        let expected: [[i32; 4]; 16] = [
             [0, 1, 2, 3],
             [10, 7, 4, 1],
             [0, 1, 4, 9],
@@ -308,6 +332,7 @@ mod tests {
             [0, 6, 4, -6],
             [10, 6, 2, 2],
             [10, 7, 4, 3],
+            [0, 1, 2, 1],
             [5, 1, 2, 3],
             [0, 5, 2, 3],
             [0, 1, 5, 3],
@@ -320,7 +345,7 @@ mod tests {
                 assert_eq!(mask, greater, "{value:?} > {i}.5");
             }
         }
-        assert_eq!(bits[15 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
+        assert_eq!(bits[16 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
         assert_eq!(compressed[0b1010], [5, 7, 0, 0]);
         assert_eq!(compressed[0b1111], [4, 5, 6, 7]);
         assert_eq!(compressed[0], [0; 4]);

@@ -8,6 +8,9 @@
 use glam::DVec3;
 
 use super::exact::{exact_sign, Dyadic, Scalar, Vector};
+#[cfg(target_arch = "x86_64")]
+use super::lanes::Avx2;
+use super::lanes::{Lanes, Portable};
 use super::predicates::Sign;
 
 /// The six edges of a tetrahedron as pairs of its slots.
@@ -48,6 +51,9 @@ const SLIVER: f64 = 1e-5;
 /// Squared lengths for which the floating-point formulas, of degree 8, neither overflow nor lose their error bounds to underflow.
 const SAFE_SIZES: std::ops::Range<f64> = 1e-60..1e60;
 
+/// Relative to the powers of the longest edge, the error of the formula's quantities: see [`exceeds_radius_edge`].
+const SLACK: f64 = 4e-14;
+
 struct Shape {
     numerator: f64,
     volume6: f64,
@@ -76,7 +82,7 @@ pub fn exceeds_radius_edge(tet: [DVec3; 4], bound: f64) -> bool {
     let right = 4.0 * bound * bound * shape.shortest * d2;
     // Absolute errors, with L² = longest: D is off by at most 20u·L³ and |N| by at most 80u·L⁴, their squares by twice that times the
     // quantity and the square of it; the shortest edge's square by 6u of itself. 360u covers all.
-    let slack = 4e-14;
+    let slack = SLACK;
     let (scale3, scale4) = (longest * longest.sqrt(), longest * longest);
     let left_error = slack * scale4 * (left.sqrt() + slack * scale4);
     let right_error = slack * scale3 * 4.0 * bound * bound * shape.shortest * (shape.volume6.abs() + slack * scale3);
@@ -89,6 +95,78 @@ pub fn exceeds_radius_edge(tet: [DVec3; 4], bound: f64) -> bool {
         }
     }
     exceeds_exactly(tet, bound)
+}
+
+/// [`exceeds_radius_edge`] of four tetrahedra, a bit for each, and their shortest edges squared, which are those of
+/// [`DVec3::distance_squared`] on every machine.
+#[inline]
+pub fn four_exceed_radius_edge(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, [f64; 4]) {
+    let (exceed, unsure, shortest) = judge_four(tets, bound);
+    let exactly = |i: &usize| unsure >> i & 1 != 0 && exceeds_radius_edge(tets[*i].map(|&p| p), bound);
+    let decided = if unsure == 0 { 0 } else { (0..4).filter(exactly).map(|i| 1 << i).sum() };
+    (exceed & !unsure | decided, shortest)
+}
+
+#[inline]
+fn judge_four(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::available() {
+        // SAFETY: the processor has what the function is compiled for.
+        return unsafe { judge_four_avx2(tets, bound) };
+    }
+    judge::<Portable>(tets, bound)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn judge_four_avx2(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
+    judge::<Avx2>(tets, bound)
+}
+
+/// Bits of those that exceed the bound, bits of those that can't be told, and the shortest edges squared.
+#[inline(always)]
+fn judge<L: Lanes>(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
+    let [p, q, r, s] = tets;
+    let a = L::load([p[0], q[0], r[0], s[0]]);
+    let b = L::load([p[1], q[1], r[1], s[1]]);
+    let c = L::load([p[2], q[2], r[2], s[2]]);
+    let d = L::load([p[3], q[3], r[3], s[3]]);
+    let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
+    let (vw, wu, uv) = (cross(v, w), cross(w, u), cross(u, v));
+    // Without fused operations, because the lengths are used for more than a decision.
+    let (uu, vv, ww) = (squared(u), squared(v), squared(w));
+    let shortest =
+        uu.min(vv).min(ww).min(squared(difference(c, b))).min(squared(difference(d, b))).min(squared(difference(d, c)));
+    let longest = uu.max(vv).max(ww);
+    let part = |i: usize| uu.mul_add(vw[i], vv.mul_add(wu[i], ww.mul(uv[i])));
+    let (x, y, z) = (part(0), part(1), part(2));
+    let left = x.mul_add(x, y.mul_add(y, z.mul(z)));
+    let volume6 = u[0].mul_add(vw[0], u[1].mul_add(vw[1], u[2].mul(vw[2])));
+    let scale = L::splat(4.0 * bound * bound).mul(shortest);
+    let right = scale.mul(volume6).mul(volume6);
+    // As in `exceeds_radius_edge`, with |N| ≤ 3L⁴ and |D| ≤ L³, both a little more after rounding.
+    let cube = longest.mul(longest).mul(longest);
+    let error = L::splat(SLACK).mul(cube).mul(longest.mul(L::splat(3.1)).add(scale.mul(L::splat(1.1))));
+    let excess = left.sub(right);
+    let exceeds = excess.greater(error);
+    let keeps = L::splat(0.0).sub(error).greater(excess);
+    let safe = longest.greater(L::splat(SAFE_SIZES.start)) & L::splat(SAFE_SIZES.end).greater(longest);
+    (exceeds, !((exceeds | keeps) & safe) & 0b1111, shortest.to_array())
+}
+
+#[inline(always)]
+fn difference<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+    [p[0].sub(q[0]), p[1].sub(q[1]), p[2].sub(q[2])]
+}
+
+#[inline(always)]
+fn cross<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+    [p[1].mul_sub(q[2], p[2].mul(q[1])), p[2].mul_sub(q[0], p[0].mul(q[2])), p[0].mul_sub(q[1], p[1].mul(q[0]))]
+}
+
+#[inline(always)]
+fn squared<L: Lanes>(v: [L; 3]) -> L {
+    v[0].mul(v[0]).add(v[1].mul(v[1])).add(v[2].mul(v[2]))
 }
 
 #[cold]
@@ -117,22 +195,29 @@ fn numerator_and_volume<T: Scalar>([a, b, c, d]: [DVec3; 4]) -> (T, T) {
 }
 
 /// The smallest of the six dihedral angles, in degrees; 0 when flat.
-pub fn min_dihedral_degrees(tet: [DVec3; 4]) -> f64 {
-    let mut least = f64::INFINITY;
-    for [i, j] in EDGES {
-        let mut rest = (0..4).filter(|&k| k != i && k != j);
-        let (k, l) = (rest.next().unwrap_or(0), rest.next().unwrap_or(0));
-        let axis = tet[j] - tet[i];
-        // Normals of the two faces at the edge; atan2 keeps small angles accurate.
-        let (n, m) = (axis.cross(tet[k] - tet[i]), axis.cross(tet[l] - tet[i]));
-        least = least.min(n.cross(m).length().atan2(n.dot(m)));
-    }
-    let degrees = least.to_degrees();
-    if degrees.is_nan() {
-        0.0
-    } else {
-        degrees
-    }
+pub fn min_dihedral_degrees([a, b, c, d]: [DVec3; 4]) -> f64 {
+    let (u, v, w) = (b - a, c - a, d - a);
+    // Twice the areas, normal to the faces opposite each corner, all outward or all inward.
+    let (nb, nc, nd) = (w.cross(v), u.cross(w), v.cross(u));
+    let na = -(nb + nc + nd);
+    let volume6 = u.dot(nb).abs();
+    // The cotangent falls from 0 to 180 degrees and keeps small angles accurate. Two faces' normals have a cross product of the volume times
+    // their edge.
+    let cotangent = |n: DVec3, m: DVec3, edge: DVec3| {
+        let cotangent = -n.dot(m) / (volume6 * edge.length());
+        if cotangent.is_nan() {
+            f64::INFINITY
+        } else {
+            cotangent
+        }
+    };
+    let greatest = cotangent(nc, nd, u)
+        .max(cotangent(nb, nd, v))
+        .max(cotangent(nb, nc, w))
+        .max(cotangent(na, nd, c - b))
+        .max(cotangent(na, nc, d - b))
+        .max(cotangent(na, nb, d - c));
+    1f64.atan2(greatest).to_degrees()
 }
 
 #[cfg(test)]
@@ -149,6 +234,34 @@ mod tests {
         assert!((radius_edge(t) - (3f64 / 8.0).sqrt()).abs() < 1e-15);
         assert!((min_dihedral_degrees(t) - (1f64 / 3.0).acos().to_degrees()).abs() < 1e-12);
         assert!(!exceeds_radius_edge(t, 1.0));
+    }
+
+    #[test]
+    fn four_at_a_time_are_as_one_by_one() {
+        let mut state = 7u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let corner_of_box = |leg: f64| [[0., 0., 0.], [1., 0., 0.], [0., 2., 0.], [0., 0., leg]].map(DVec3::from);
+        for turn in 0..4000 {
+            let scale = 2f64.powi(turn % 400 - 200);
+            let mut tets: [[DVec3; 4]; 4] =
+                std::array::from_fn(|_| std::array::from_fn(|_| DVec3::new(next(), next(), next()) * scale));
+            // One at the bound, or next to it, one nearly flat, one flat.
+            tets[0] = corner_of_box(f64::from_bits(2f64.to_bits() + turn as u64 % 5 - 2)).map(|p| p * scale);
+            tets[1][3] = tets[1][0] + (tets[1][1] - tets[1][0]) * next() + (tets[1][2] - tets[1][0]) * next();
+            tets[2].iter_mut().for_each(|p| p.z = scale);
+            for bound in [1.0, 1.5, 2.0, 8.0] {
+                let (exceed, shortest) = four_exceed_radius_edge(&tets.each_ref().map(|tet| tet.each_ref()), bound);
+                for (i, tet) in tets.iter().enumerate() {
+                    assert_eq!(exceed >> i & 1 != 0, exceeds_radius_edge(*tet, bound), "{tet:?}");
+                    let least =
+                        EDGES.iter().map(|&[i, j]| tet[i].distance_squared(tet[j])).fold(f64::INFINITY, f64::min);
+                    assert_eq!(shortest[i], least);
+                }
+            }
+        }
     }
 
     #[test]

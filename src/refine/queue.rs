@@ -6,7 +6,7 @@
 //! two fifths of the time of a refinement.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BinaryHeap;
 
 use crate::geometry::quality::EDGES;
 use crate::triangulation::Triangulation;
@@ -40,8 +40,62 @@ pub struct Queue {
     heap: BinaryHeap<Reverse<Entry>>,
     current: u32,
     /// The entries of all others.
-    waiting: BTreeMap<u32, Vec<Entry>>,
+    waiting: Buckets,
     count: usize,
+}
+
+/// Entries by bucket.
+#[derive(Clone, Debug, Default)]
+struct Buckets {
+    /// The bucket that stands first, a multiple of 64.
+    first: u32,
+    lists: Vec<Vec<Entry>>,
+    /// A bit for each: whether there is anything in it.
+    filled: Vec<u64>,
+}
+
+impl Buckets {
+    #[inline]
+    fn push(&mut self, entry: Entry) {
+        let bucket = entry.bucket();
+        let place = bucket.wrapping_sub(self.first) as usize;
+        let place = if place < self.lists.len() { place } else { self.make_place(bucket) };
+        self.filled[place / 64] |= 1 << (place % 64);
+        self.lists[place].push(entry);
+    }
+
+    /// Makes places up to that of `bucket`, which has none yet.
+    #[cold]
+    fn make_place(&mut self, bucket: u32) -> usize {
+        if self.lists.is_empty() {
+            self.first = bucket / 64 * 64;
+        }
+        if bucket < self.first {
+            let more = (self.first - bucket).div_ceil(64);
+            self.filled.splice(0..0, (0..more).map(|_| 0));
+            self.lists.splice(0..0, (0..64 * more).map(|_| Vec::new()));
+            self.first -= 64 * more;
+        }
+        let place = (bucket - self.first) as usize;
+        if place >= self.lists.len() {
+            self.filled.resize(place / 64 + 1, 0);
+            self.lists.resize_with(64 * self.filled.len(), Vec::new);
+        }
+        place
+    }
+
+    /// The first that is not empty.
+    fn first_filled(&self) -> Option<u32> {
+        let (word, bits) = self.filled.iter().enumerate().find(|(_, &bits)| bits != 0)?;
+        Some(self.first + 64 * word as u32 + bits.trailing_zeros())
+    }
+
+    fn take(&mut self, bucket: u32) -> Vec<Entry> {
+        let place = bucket.wrapping_sub(self.first) as usize;
+        let Some(list) = self.lists.get_mut(place) else { return Vec::new() };
+        self.filled[place / 64] &= !(1 << (place % 64));
+        std::mem::take(list)
+    }
 }
 
 /// The slots of a tetrahedron's shortest edge and its squared length. Among equals the one of the lowest vertices.
@@ -59,22 +113,21 @@ pub fn shortest_edge(t: &Triangulation, tet: u32) -> ([usize; 2], f64) {
 }
 
 impl Queue {
-    pub fn push(&mut self, t: &Triangulation, tet: u32) {
-        let (_, shortest) = shortest_edge(t, tet);
+    /// Queues a tetrahedron, whose shortest edge squared that is.
+    pub fn push(&mut self, t: &Triangulation, tet: u32, shortest: f64) {
         let entry = Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet };
         self.count += 1;
-        let bucket = entry.bucket();
-        if bucket == self.current {
+        if entry.bucket() == self.current {
             self.heap.push(Reverse(entry));
         } else {
-            self.waiting.entry(bucket).or_default().push(entry);
+            self.waiting.push(entry);
         }
     }
 
     /// The next tetrahedron that still exists.
     pub fn pop(&mut self, t: &Triangulation) -> Option<u32> {
         loop {
-            if let Some((&first, _)) = self.waiting.first_key_value() {
+            if let Some(first) = self.waiting.first_filled() {
                 if self.heap.is_empty() || first < self.current {
                     self.turn_to(first, t);
                     // All of it may have been dead.
@@ -92,11 +145,12 @@ impl Queue {
     /// Makes a waiting bucket the current one.
     fn turn_to(&mut self, bucket: u32, t: &Triangulation) {
         if !self.heap.is_empty() {
-            let entries = std::mem::take(&mut self.heap).into_iter().map(|Reverse(entry)| entry);
-            self.waiting.entry(self.current).or_default().extend(entries);
+            for Reverse(entry) in std::mem::take(&mut self.heap) {
+                self.waiting.push(entry);
+            }
         }
         self.current = bucket;
-        let mut entries = self.waiting.remove(&bucket).unwrap_or_default();
+        let mut entries = self.waiting.take(bucket);
         let before = entries.len();
         entries.retain(|entry| entry.is_live(t));
         self.count -= before - entries.len();

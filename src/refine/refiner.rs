@@ -11,7 +11,7 @@ use super::split::Split;
 use super::{RefineOptions, RefineStatus};
 use crate::domain::boundary::{Boundary, Encroached};
 use crate::geometry::flush_tiny;
-use crate::geometry::quality::exceeds_radius_edge;
+use crate::geometry::quality::four_exceed_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
 use crate::sparsify::Sparsifier;
@@ -24,6 +24,8 @@ use crate::{Control, Error};
 pub enum Placed {
     /// It is a vertex now.
     Inserted(u32),
+    /// A vertex has been moved instead.
+    Spared,
     /// It would encroach upon boundary elements, which have been queued.
     Encroaches,
     /// It would make an edge shorter than the limit, or encroaches upon elements that can't be split.
@@ -40,9 +42,8 @@ pub struct Refiner<'a> {
     pub min_edge: f64,
     /// Tries to do with fewer samples, if that is wanted.
     pub sparsifier: Option<Sparsifier>,
-    /// The samples of the batch in hand, each with its distance from what was there.
-    inserted: Vec<(u32, f64)>,
-    clearance: f64,
+    /// The length of the edge being mended, which the sparsifier wants to know.
+    edge: f64,
     created: Vec<u32>,
     pub(super) cavity: Cavity,
     pub(super) encroached: Encroached,
@@ -75,8 +76,7 @@ impl<'a> Refiner<'a> {
             max_vertices: options.max_vertices,
             min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
             sparsifier: None,
-            inserted: Vec::new(),
-            clearance: 0.0,
+            edge: 0.0,
             created: Vec::new(),
             cavity: Cavity::default(),
             encroached: Encroached::default(),
@@ -113,10 +113,7 @@ impl<'a> Refiner<'a> {
         if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
-        let all: Vec<u32> = self.t.topology.finite().collect();
-        for t in all {
-            self.watch(t);
-        }
+        watch(self.t, &mut self.queue, self.radius_edge, self.t.topology.finite());
         let mut turns = 0usize;
         loop {
             if let Some(status) = self.limit(&mut turns, "refine", control) {
@@ -172,16 +169,15 @@ impl<'a> Refiner<'a> {
         }
         let samples = self.sample(tet, [i, j]);
         let mut placed_any = false;
-        self.inserted.clear();
+        self.edge = length2.sqrt();
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
                 break;
             }
             match self.place(p, tet)? {
-                Placed::Inserted(new) => {
+                Placed::Inserted(_) | Placed::Spared => {
                     self.samples += 1;
                     placed_any = true;
-                    self.inserted.push((new, self.clearance));
                 }
                 Placed::Encroaches => {
                     placed_any = true;
@@ -190,10 +186,9 @@ impl<'a> Refiner<'a> {
                 Placed::Refused => {}
             }
         }
-        self.sparsify(length2.sqrt())?;
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
-                self.queue.push(self.t, tet);
+                self.queue.push(self.t, tet, length2);
             } else {
                 self.refused = true;
             }
@@ -201,20 +196,19 @@ impl<'a> Refiner<'a> {
         Ok(())
     }
 
-    /// Tries to do with fewer than the samples just inserted, for an edge of that length.
-    fn sparsify(&mut self, edge: f64) -> Result<(), Error> {
-        let Some(sparsifier) = &mut self.sparsifier else { return Ok(()) };
+    /// Tries to move a vertex instead of inserting the sample that the cavity is of.
+    fn spare(&mut self, p: DVec3, clearance: f64) -> Result<bool, Error> {
+        let Some(sparsifier) = &mut self.sparsifier else { return Ok(false) };
         self.created.clear();
-        for &(v, clearance) in &self.inserted {
-            sparsifier.at_sample(self.t, self.boundary, v, clearance, edge, &mut self.created)?;
+        let sample = (p, &self.cavity);
+        if !sparsifier.instead_of(self.t, self.boundary, sample, clearance, self.edge, &mut self.created)? {
+            return Ok(false);
         }
-        for i in 0..self.created.len() {
-            let t = self.created[i];
-            if self.t.topology.tet(t).is_live() {
-                self.watch(t);
-            }
-        }
-        Ok(())
+        self.cavity.clear();
+        let t = &*self.t;
+        let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
+        watch(t, &mut self.queue, self.radius_edge, live);
+        Ok(true)
     }
 
     /// The samples for a bad tetrahedron.
@@ -260,10 +254,13 @@ impl<'a> Refiner<'a> {
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
-        self.clearance = self.rim_distance(p);
-        if leaves || self.clearance < self.min_edge {
+        let clearance = self.rim_distance(p);
+        if leaves || clearance < self.min_edge {
             self.cavity.clear();
             return Ok(Placed::Refused);
+        }
+        if self.spare(p, clearance)? {
+            return Ok(Placed::Spared);
         }
         let new = self.insert_prepared(p)?;
         self.finish();
@@ -280,16 +277,29 @@ impl<'a> Refiner<'a> {
     /// Looks at the tetrahedra that the last insertion created.
     pub(super) fn finish(&mut self) {
         if self.watching {
-            for i in 0..self.cavity.created.len() {
-                self.watch(self.cavity.created[i]);
-            }
+            watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied());
         }
     }
+}
 
-    /// Queues a tetrahedron that is in the domain and bad.
-    fn watch(&mut self, t: u32) {
-        if self.t.is_inside(t) && exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
-            self.queue.push(self.t, t);
+/// Queues those tetrahedra that are in the domain and bad.
+fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) {
+    let mut inside = tets.filter(|&tet| t.is_inside(tet));
+    loop {
+        let (mut four, mut count) = ([0; 4], 0);
+        for (place, tet) in four.iter_mut().zip(&mut inside) {
+            *place = tet;
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        let last = four[count - 1];
+        four[count..].fill(last);
+        let corners = four.map(|tet| t.corner_refs(tet));
+        let (bad, shortest) = four_exceed_radius_edge(&corners, radius_edge);
+        for i in (0..count).filter(|i| bad >> i & 1 != 0) {
+            queue.push(t, four[i], shortest[i]);
         }
     }
 }

@@ -203,7 +203,7 @@ impl Mesh {
             let vertex = match point.origin {
                 Origin::Sample => match refiner.place(point.position, refiner.t.recent())? {
                     Placed::Inserted(v) => Some(v),
-                    Placed::Encroaches | Placed::Refused => None,
+                    Placed::Spared | Placed::Encroaches | Placed::Refused => None,
                 },
                 Origin::Segment(edge) if refiner.boundary.is_subsegment(edge) => done(refiner.split_segment(edge)?),
                 Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => done(refiner.split_facet(face)?),

@@ -28,7 +28,13 @@ impl Sparsifier {
         let Some(journal) = boundary.unsplit(t, &found.plan, add) else { return Ok(false) };
         let replacement = Replacement { remove: &found.remove, add: add.map(|(_, p, _)| p) };
         let named = |v: u32| if v == ADDED { new } else { v };
-        let seen = t.preview(&replacement, &|face| boundary.wall(face.map(named)).is_some(), &mut self.hole);
+        let is_wall = |face: [u32; 3]| boundary.wall(face.map(named)).is_some();
+        let guess = (&self.pair.guess.going[..], &self.pair.guess.coming[..]);
+        let seen = if found.guess && t.certify(&replacement, guess, &is_wall, &mut self.hole) {
+            Ok(())
+        } else {
+            t.preview(&replacement, &is_wall, &mut self.hole)
+        };
         match seen {
             Ok(()) | Err(Error::Occupied { .. } | Error::OutOfRange { .. }) => {}
             Err(error) => {

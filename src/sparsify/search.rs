@@ -1,16 +1,22 @@
 //! Which vertices to replace by which point: found by forecasts alone.
 //!
-//! With `v` gone, some tetrahedra of what fills its star are bad: the *obstacles*. A point that shall stand in for `v` has to lie in the
-//! circumballs of all of them. So have those that stand for `v` and a neighbour `w` together, in the balls of the obstacles that
-//! don't end at `w`: few of those, and near `w`, make a promising pair. For such a pair the place is looked for from a
-//! point in all balls of its own obstacles, by a pattern search (R. Hooke, T. A. Jeeves, J. ACM 8, 1961).
+//! With `v` gone, some tetrahedra of what fills its star are bad: the *obstacles*. (Of a sample that is not inserted yet, they are the bad ones in its
+//! cavity.) A point that shall stand in for `v` has to lie in the circumballs of all of them. So have those that stand for `v` and a neighbour `w`
+//! together, in the balls of the obstacles that don't end at `w`: few of those, and near `w`, make a promising pair. For such a pair the place is looked
+//! for from a point in all balls of its own obstacles. Each try says where the point would have to go to be better: against the gradient of R²/l² of the
+//! worst tetrahedron, or towards the ball that it missed. A step that makes something else worse is tried again, shorter, between the two directions:
+//! what is minimized is a maximum, and its least values lie where several tetrahedra are equally bad (the idea of bundle methods; C. Lemaréchal,
+//! "An extension of Davidon methods to non differentiable problems", Mathematical Programming Study 3, 1975).
 //!
 //! A vertex on a segment stands in for one on a facet beside it or a free one, a vertex on a facet for a free one; the place then is on
 //! that segment or facet.
 
-use super::forecast::{Outcome, Space};
+use super::forecast::Space;
 use super::{Demand, Effort, Sparsifier};
 use crate::domain::{Boundary, Carrier, Unsplit};
+use crate::geometry::flush_tiny;
+use crate::triangulation::cavity::Cavity;
+use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -26,48 +32,118 @@ pub struct Found {
     pub add: Option<(DVec3, Carrier)>,
     /// What becomes of the boundary without the vertices.
     pub plan: Unsplit,
+    /// Whether `pair` has said in full what goes and what comes.
+    pub guess: bool,
+}
+
+/// What a partner is looked for.
+#[derive(Clone, Copy, Debug)]
+enum Subject {
+    /// A vertex.
+    Vertex(u32),
+    /// A point in the interior that is not inserted yet.
+    Sample(DVec3),
+}
+
+impl Subject {
+    fn position(self, t: &Triangulation) -> DVec3 {
+        match self {
+            Subject::Vertex(v) => t.at(v),
+            Subject::Sample(p) => p,
+        }
+    }
 }
 
 impl Sparsifier {
     /// Looks for something to do at `v`.
     pub(super) fn search(&mut self, t: &Triangulation, boundary: &Boundary, v: u32, demand: Demand) -> Option<Found> {
         let while_refining = demand.level2.is_finite();
-        if !self.is_steiner(t, v) || while_refining && boundary.kind(v) != 0 {
+        if !self.is_steiner(t, v) || while_refining && boundary.kind(v) != 0 || !self.alone.open(t, &[v]) {
             return None;
         }
-        let Effort { neighbours, remaining, obstacles, cap, places, .. } = self.effort;
-        let Sparsifier { alone, pair, near, .. } = self;
-        if !alone.open(t, &[v]) {
-            return None;
-        }
-        let p = t.at(v);
-        near.clear();
-        // Of a new sample nothing is gained by taking it away again: it needs a partner.
-        let reach = REACH * self.radius_edge;
-        let limit =
-            if while_refining { reach * demand.level2.sqrt() } else { 2.0 * reach * spacing(t, alone.going(), v) };
-        for &id in alone.going() {
-            for w in t.topology.tet(id).v {
-                if w == v || w < self.first || while_refining && boundary.kind(w) != 0 || near.iter().any(|n| n.1 == w)
-                {
-                    continue;
-                }
-                let distance = t.at(w).distance(p);
-                if distance <= limit {
-                    near.push((distance, w));
+        let limit = if while_refining {
+            self.reach(demand)
+        } else {
+            2.0 * REACH * self.radius_edge * spacing(t, self.alone.going(), v)
+        };
+        self.near.clear();
+        for i in 0..self.alone.going().len() {
+            for w in t.topology.tet(self.alone.going()[i]).v {
+                if w != v && !self.near.iter().any(|n| n.1 == w) {
+                    self.consider(t, boundary, w, t.at(v), limit, while_refining);
                 }
             }
         }
-        if near.is_empty() && while_refining {
+        // Of a new vertex nothing is gained by taking it away again: it needs a partner.
+        if self.near.is_empty() && while_refining {
             return None;
         }
         let plan = boundary.without(t, &[v])?;
-        if !alone.fill(t, boundary, &[v], &plan, demand, usize::MAX) {
+        if !self.alone.fill(t, boundary, &[v], &plan, demand, usize::MAX) {
             return None;
         }
-        if alone.obstacles.is_empty() {
-            return Some(Found { remove: vec![v], add: None, plan });
+        if self.alone.obstacles.is_empty() {
+            return Some(Found { remove: vec![v], add: None, plan, guess: false });
         }
+        self.find_partner(t, boundary, Subject::Vertex(v), demand)
+    }
+
+    /// Looks for a vertex that can be moved so that it does what the sample `p`, whose cavity that is, would do.
+    pub(super) fn search_instead(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        (p, cavity): (DVec3, &Cavity),
+        demand: Demand,
+    ) -> Option<Found> {
+        let limit = self.reach(demand);
+        self.near.clear();
+        for &id in &cavity.tets {
+            for w in t.topology.tet(id).v {
+                if !self.near.iter().any(|n| n.1 == w) {
+                    self.consider(t, boundary, w, p, limit, true);
+                }
+            }
+        }
+        if self.near.is_empty() || !self.alone.take_cavity(t, boundary, p, cavity, demand) {
+            return None;
+        }
+        // Nothing to mend: whatever the sample is for, it shall come.
+        if self.alone.obstacles.is_empty() {
+            return None;
+        }
+        self.find_partner(t, boundary, Subject::Sample(p), demand)
+    }
+
+    /// How far a partner may be while refining.
+    fn reach(&self, demand: Demand) -> f64 {
+        REACH * self.radius_edge * demand.level2.sqrt()
+    }
+
+    /// Puts `w` among the neighbours of `p` that are worth a try if it is.
+    fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, only_free: bool) {
+        if w < self.first || w == GHOST || only_free && boundary.kind(w) != 0 {
+            return;
+        }
+        let distance = t.at(w).distance(p);
+        if distance <= limit {
+            self.near.push((distance, w));
+        }
+    }
+
+    /// Tries the neighbours of what `alone` is about.
+    fn find_partner(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        subject: Subject,
+        demand: Demand,
+    ) -> Option<Found> {
+        let Effort { neighbours, remaining, obstacles, cap, places, spacing, .. } = self.effort;
+        let level = demand.level2.sqrt();
+        let spacing = if level.is_finite() { spacing * level } else { 0.0 };
+        let Sparsifier { alone, pair, near, .. } = self;
+        let p = subject.position(t);
         near.retain(|&(_, w)| {
             let Some(number) = alone.vertices.iter().position(|&x| x == w) else { return false };
             let misses = |&&i: &&u32| !alone.filling[i as usize].v.contains(&(number as u8));
@@ -76,7 +152,13 @@ impl Sparsifier {
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         near.truncate(neighbours);
         for &(distance, w) in near.iter() {
-            let Some((lower, space)) = shared_space(t, boundary, v, w) else { continue };
+            let (lower, space) = match subject {
+                Subject::Vertex(v) => match shared_space(t, boundary, v, w) {
+                    Some(shared) => shared,
+                    None => continue,
+                },
+                Subject::Sample(_) => (w, Space::ALL),
+            };
             let carrier = boundary.carrier(lower);
             let q = t.at(w);
             let number = alone.vertices.iter().position(|&x| x == w)? as u8;
@@ -85,39 +167,42 @@ impl Sparsifier {
             if !alone.move_into_obstacles(&mut place, &space, |tet| !tet.v.contains(&number)) {
                 continue;
             }
-            let Some(plan) = boundary.without(t, &[v, w]) else { continue };
-            if !pair.open(t, &[v, w])
-                || !pair.fill(t, boundary, &[v, w], &plan, demand, obstacles)
-                || !pair.move_into_obstacles(&mut place, &space, |_| true)
-            {
+            let remove = match subject {
+                Subject::Vertex(v) => vec![v, w],
+                Subject::Sample(_) => vec![w],
+            };
+            let Some(plan) = boundary.without(t, &remove) else { continue };
+            let all_free = match subject {
+                Subject::Vertex(v) => boundary.kind(v) == 0 && boundary.kind(w) == 0,
+                Subject::Sample(_) => true,
+            };
+            let filled = if all_free {
+                pair.fill_more(alone, t, boundary, (w, spacing), demand, obstacles)
+            } else {
+                pair.open(t, &remove) && pair.fill(t, boundary, &remove, &plan, demand, obstacles)
+            };
+            if !filled || !pair.move_into_obstacles(&mut place, &space, |_| true) {
                 continue;
             }
-            pair.aim(t);
             let on = boundary.facets_at(&carrier);
-            let mut best = pair.try_point(t, boundary, place, on, demand, cap);
-            if best == Outcome::NO {
-                continue;
-            }
-            let (mut step, mut tries) = (0.25 * distance, 1);
-            while tries < places {
-                let before = best;
-                for axis in &space.axes[..space.dimension] {
-                    for direction in [step, -step] {
-                        let there = place + *axis * direction;
-                        let outcome = pair.try_point(t, boundary, there, on, demand, best.worst.max(1.0));
-                        tries += 1;
-                        if outcome.beats(&best) {
-                            best = outcome;
-                            place = there;
-                        }
-                    }
-                }
-                if best == before {
-                    step *= 0.5;
+            let mut worst = pair.try_point(t, boundary, place, on, demand, cap);
+            let (mut step, mut tries, mut direction) = (0.25 * distance, 1, pair.push);
+            while tries < places && worst > 1.0 {
+                let there = place + space.along(direction) * step;
+                let outcome = pair.try_point(t, boundary, there, on, demand, worst.clamp(1.0, cap));
+                tries += 1;
+                if outcome < worst {
+                    worst = outcome;
+                    place = there;
+                    direction = pair.push;
+                } else {
+                    direction = (direction + pair.push).normalize_or_zero();
+                    step *= 0.6;
                 }
             }
-            if best.is_good() {
-                return Some(Found { remove: vec![v, w], add: Some((place, carrier)), plan });
+            if worst <= 1.0 {
+                let guess = all_free && pair.foresee(t, boundary, flush_tiny(place), demand);
+                return Some(Found { remove, add: Some((place, carrier)), plan, guess });
             }
         }
         None
@@ -147,7 +232,7 @@ fn shared_space(t: &Triangulation, boundary: &Boundary, v: u32, w: u32) -> Optio
         return None;
     };
     let space = match boundary.carrier(lower) {
-        Carrier::Free => Space { axes: [DVec3::X, DVec3::Y, DVec3::Z], dimension: 3 },
+        Carrier::Free => Space::ALL,
         Carrier::Segment(s) => {
             let [a, b] = boundary.segments()[s as usize].ends.map(|v| t.at(v));
             Space { axes: [(b - a).normalize_or_zero(), DVec3::ZERO, DVec3::ZERO], dimension: 1 }

@@ -1,9 +1,11 @@
 use std::collections::BTreeSet;
 
-use super::forecast::{Demand, Forecast, Outcome};
+use super::forecast::{Demand, Forecast};
 use crate::domain::Unsplit;
 use crate::refine::{RefineOptions, RefineStatus};
+use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::{Hole, Replacement};
+use crate::triangulation::topology::GHOST;
 use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, Rule, Sparsify, Triangulation};
 
 /// A value-stable source of numbers in [0, 1).
@@ -191,7 +193,7 @@ fn a_forecast_is_what_the_preview_says() {
         };
         for remove in [&[v][..], &[v, w]] {
             let at_hull = |&v: &u32| t.topology.star(v).iter().any(|&tet| t.topology.tet(tet).is_ghost());
-            if remove.contains(&crate::triangulation::topology::GHOST) || remove.iter().any(at_hull) {
+            if remove.contains(&GHOST) || remove.iter().any(at_hull) {
                 continue;
             }
             assert!(forecast.open(&t, remove));
@@ -213,6 +215,84 @@ fn a_forecast_is_what_the_preview_says() {
     assert!(seen > 300, "{seen}");
 }
 
+/// The filling as vertices, sorted.
+fn filled(forecast: &Forecast) -> BTreeSet<[u32; 4]> {
+    let sorted = |mut v: [u32; 4]| {
+        v.sort_unstable();
+        v
+    };
+    forecast.filling.iter().map(|tet| sorted(tet.v.map(|i| forecast.vertices[i as usize]))).collect()
+}
+
+#[test]
+fn a_hole_that_follows_from_another_is_as_one_made_anew() {
+    let mut t = Triangulation::new();
+    t.insert_many(&random_points(400, 3), &Control::new()).unwrap();
+    let boundary = crate::domain::Boundary::default();
+    let demand = Demand { bound2: 1e300, level2: f64::INFINITY };
+    let [mut known, mut more, mut anew] = [(); 3].map(|()| Forecast::default());
+    let mut cavity = Cavity::default();
+    let mut next = numbers(8);
+    let (mut of_vertices, mut of_points) = (0, 0);
+    for v in 0..400u32 {
+        let Some(&w) =
+            t.topology.star(v).iter().flat_map(|&tet| &t.topology.tet(tet).v).find(|&&w| w != v && w != GHOST)
+        else {
+            continue;
+        };
+        // The hole of two vertices from that of one.
+        let plan = Unsplit::default();
+        if known.open(&t, &[v])
+            && known.fill(&t, &boundary, &[v], &plan, demand, usize::MAX)
+            && more.fill_more(&known, &t, &boundary, (w, 0.0), demand, usize::MAX)
+        {
+            assert!(anew.open(&t, &[v, w]) && anew.fill(&t, &boundary, &[v, w], &plan, demand, usize::MAX));
+            assert_eq!(filled(&more), filled(&anew));
+            of_vertices += 1;
+        }
+        // The hole of a vertex from the cavity of a point: as if the point had been inserted, and both were removed.
+        let p = t.at(w) + 0.1 * (DVec3::new(next(), next(), next()) - 0.5);
+        t.prepare(p, t.recent(), &mut cavity).unwrap();
+        if known.take_cavity(&t, &boundary, p, &cavity, demand)
+            && more.fill_more(&known, &t, &boundary, (w, 0.0), demand, usize::MAX)
+        {
+            let mut with = t.clone();
+            let new = with.insert(p, None).unwrap().vertex;
+            if anew.open(&with, &[new, w]) && anew.fill(&with, &boundary, &[new, w], &plan, demand, usize::MAX) {
+                assert_eq!(filled(&more), filled(&anew));
+                of_points += 1;
+            }
+        }
+        cavity.clear();
+    }
+    assert!(of_vertices > 150 && of_points > 150, "{of_vertices} {of_points}");
+}
+
+#[test]
+fn neighbours_of_something_finer_are_left_where_they_are() {
+    let mut t = Triangulation::new();
+    t.insert_many(&random_points(200, 9), &Control::new()).unwrap();
+    let boundary = crate::domain::Boundary::default();
+    let demand = Demand { bound2: 1e300, level2: f64::INFINITY };
+    let [mut known, mut more] = [(); 2].map(|()| Forecast::default());
+    let mut seen = 0;
+    for v in 0..200u32 {
+        if !known.open(&t, &[v]) || !known.fill(&t, &boundary, &[v], &Unsplit::default(), demand, usize::MAX) {
+            continue;
+        }
+        let Some(&w) = known.vertices.first() else { continue };
+        let star = t.topology.star(w);
+        let near = star.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(|&x| x != w && x != GHOST);
+        let spacing = near.map(|x| t.at(x).distance(t.at(w))).fold(f64::INFINITY, f64::min);
+        let mut fill = |least: f64| more.fill_more(&known, &t, &boundary, (w, least), demand, usize::MAX);
+        if fill(0.0) {
+            assert!(fill(0.999 * spacing) && !fill(1.001 * spacing));
+            seen += 1;
+        }
+    }
+    assert!(seen > 50, "{seen}");
+}
+
 #[test]
 fn a_forecast_of_a_point_tells_the_worst_that_comes() {
     let mut t = Triangulation::new();
@@ -232,7 +312,6 @@ fn a_forecast_of_a_point_tells_the_worst_that_comes() {
         {
             continue;
         }
-        forecast.aim(&t);
         let outcome = forecast.try_point(&t, &boundary, p, &[], demand, f64::INFINITY);
         t.preview(&Replacement { remove: &[v], add: Some(p) }, &|_| false, &mut hole).unwrap();
         let added = |c: &&crate::triangulation::remove::Coming| c.v.contains(&crate::triangulation::remove::ADDED);
@@ -241,11 +320,21 @@ fn a_forecast_of_a_point_tells_the_worst_that_comes() {
             radius2 / (shortest2 * demand.bound2)
         });
         let worst = worst.fold(0.0, f64::max);
-        if outcome == Outcome::NO {
+        if outcome.is_infinite() {
             // It is beside itself where the hull or a sliver is: then nothing is done there.
             continue;
         }
-        assert!((outcome.worst / worst - 1.0).abs() < 1e-6, "{} {worst}", outcome.worst);
+        assert!((outcome / worst - 1.0).abs() < 1e-6, "{outcome} {worst}");
+        // And what comes in full is what an exact look finds.
+        assert!(forecast.foresee(&t, &boundary, p, demand));
+        let sorted = |mut v: [u32; 4]| {
+            v.sort_unstable();
+            v
+        };
+        let exact: BTreeSet<[u32; 4]> = hole.coming.iter().map(|coming| sorted(coming.v)).collect();
+        assert_eq!(forecast.guess.coming.iter().map(|&v| sorted(v)).collect::<BTreeSet<_>>(), exact);
+        let going: BTreeSet<u32> = hole.going.iter().map(|going| going.t).collect();
+        assert_eq!(forecast.guess.going.iter().copied().collect::<BTreeSet<_>>(), going);
         seen += 1;
     }
     assert!(seen > 200, "{seen}");

@@ -116,6 +116,12 @@ impl Triangulation {
         [self.at(a), self.at(b), self.at(c), self.at(d)]
     }
 
+    /// [`corners`](Self::corners) where they are.
+    #[inline]
+    pub(crate) fn corner_refs(&self, t: u32) -> [&DVec3; 4] {
+        self.topology.tet(t).v.map(|v| &self.points[v as usize])
+    }
+
     /// The tetrahedra's vertices, positively oriented, in storage order.
     pub fn tetrahedra(&self) -> impl Iterator<Item = [u32; 4]> + '_ {
         self.topology.finite().map(|t| self.topology.tet(t).v)

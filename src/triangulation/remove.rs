@@ -10,7 +10,12 @@
 //! The hole of a replacement is the union of the stars of the vertices that go and of the new point's
 //! [cavity](super::cavity::Cavity): all other tetrahedra stay Delaunay.
 
+mod certify;
+mod faces;
+
 use glam::DVec3;
+
+use faces::{oriented_face, rotated, FaceTable};
 
 use super::cavity::Cavity;
 use super::lower::Lower;
@@ -83,6 +88,9 @@ pub struct Hole {
     flat: bool,
     faces: Vec<HoleFace>,
     by_vertices: FaceTable,
+    /// Scratch of `certify`: the faces between those that come.
+    inner: FaceTable,
+    halves: Vec<u32>,
     /// One byte a tetrahedron: whether it goes.
     marks: Vec<u8>,
     /// By vertex id: its number in the small triangulation.
@@ -135,17 +143,20 @@ impl Hole {
         self.add
     }
 
+    /// Forgets the numbers in the small triangulation.
+    fn forget_numbers(&mut self) {
+        for &v in self.remove.iter().chain(&self.vertices) {
+            if let Some(local) = self.local.get_mut(v as usize) {
+                *local = NONE;
+            }
+        }
+        self.vertices.clear();
+    }
+
     fn take(&mut self, t: u32, v: [u32; 4]) {
         self.marks[t as usize] = 1;
         self.going.push(Going { t, v });
     }
-}
-
-/// The vertices of the face opposite a slot, counterclockwise seen from outside.
-#[inline]
-fn oriented_face(v: &[u32; 4], slot: usize) -> [u32; 3] {
-    const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
-    FACE[slot].map(|i| v[i])
 }
 
 impl Triangulation {
@@ -175,6 +186,17 @@ impl Triangulation {
         is_wall: &dyn Fn([u32; 3]) -> bool,
         hole: &mut Hole,
     ) -> Result<(), Error> {
+        self.begin_hole(replacement, hole)?;
+        let result = self.fill(is_wall, hole);
+        hole.forget_numbers();
+        if result.is_err() {
+            hole.clear();
+        }
+        result
+    }
+
+    /// Notes what a replacement is, and marks the vertices that go.
+    fn begin_hole(&self, replacement: &Replacement, hole: &mut Hole) -> Result<(), Error> {
         hole.clear();
         for &v in replacement.remove {
             if !self.is_vertex(v) {
@@ -189,20 +211,13 @@ impl Triangulation {
         if hole.local.len() < self.points.len() {
             hole.local.resize(self.points.capacity(), NONE);
         }
+        if hole.marks.len() < self.topology.tets.len() {
+            hole.marks.resize(self.topology.tets.capacity(), 0);
+        }
         // A vertex that is named twice is removed once.
         let local = &mut hole.local;
         hole.remove.retain(|&v| std::mem::replace(&mut local[v as usize], REMOVED) != REMOVED);
-        let result = self.fill(is_wall, hole);
-        for &v in hole.remove.iter().chain(&hole.vertices) {
-            if let Some(local) = hole.local.get_mut(v as usize) {
-                *local = NONE;
-            }
-        }
-        hole.vertices.clear();
-        if result.is_err() {
-            hole.clear();
-        }
-        result
+        Ok(())
     }
 
     fn fill(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
@@ -212,9 +227,6 @@ impl Triangulation {
                 Some(vertex) if !hole.remove.contains(&vertex) => Err(Error::Occupied { vertex }),
                 _ => Ok(()),
             };
-        }
-        if hole.marks.len() < self.topology.tets.len() {
-            hole.marks.resize(self.topology.tets.capacity(), 0);
         }
         self.find_stars(hole);
         if let Some(p) = hole.add {
@@ -552,66 +564,6 @@ fn independent(points: &[DVec3]) -> Option<[u32; 4]> {
     let c = (2..points.len()).find(|&c| !collinear(a, b, points[c]))?;
     let d = (c + 1..points.len()).find(|&d| orient3d(a, b, points[c], points[d]) != Sign::Zero)?;
     Some([0, 1, c as u32, d as u32])
-}
-
-/// The face turned so that its lowest vertex stands first.
-#[inline]
-fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
-}
-
-/// Faces by their [rotated] vertices: a hash table with open addressing that keeps its memory.
-#[derive(Clone, Debug, Default)]
-struct FaceTable {
-    keys: Vec<[u32; 3]>,
-    slots: Vec<u32>,
-}
-
-impl FaceTable {
-    fn clear(&mut self) {
-        self.keys.clear();
-    }
-
-    /// Makes the table of `keys`.
-    fn index(&mut self) {
-        self.slots.clear();
-        self.slots.resize((2 * self.keys.len()).next_power_of_two().max(2), NONE);
-        for (i, &key) in self.keys.iter().enumerate() {
-            let mut slot = self.first_slot(key);
-            while self.slots[slot] != NONE {
-                slot = (slot + 1) & (self.slots.len() - 1);
-            }
-            self.slots[slot] = i as u32;
-        }
-    }
-
-    #[inline]
-    fn first_slot(&self, [a, b, c]: [u32; 3]) -> usize {
-        let mixed = (u64::from(a) ^ u64::from(b) << 20 ^ u64::from(c) << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        (mixed >> (64 - self.slots.len().trailing_zeros())) as usize
-    }
-
-    /// The position of a key.
-    #[inline]
-    fn find(&self, key: [u32; 3]) -> Option<u32> {
-        let mut slot = self.first_slot(key);
-        loop {
-            let i = self.slots[slot];
-            if i == NONE {
-                return None;
-            }
-            if self.keys[i as usize] == key {
-                return Some(i);
-            }
-            slot = (slot + 1) & (self.slots.len() - 1);
-        }
-    }
 }
 
 #[cfg(test)]

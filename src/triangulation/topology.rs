@@ -210,10 +210,13 @@ impl Topology {
 
     /// A tetrahedron with both vertices, and their slots in it. Linear in the star of `p`.
     pub fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
-        self.star(p).into_iter().find_map(|t| {
+        let mut found = None;
+        self.visit_star(p, |t| {
             let tet = self.tet(t);
-            Some((t, tet.slot(p)?, tet.slot(q)?))
-        })
+            found = tet.slot(q).and_then(|j| Some((t, tet.slot(p)?, j)));
+            found.is_none()
+        });
+        found
     }
 
     /// A handle of the face with these vertices, from one of its two sides; `None` when they span no face. Costs as
@@ -225,19 +228,41 @@ impl Topology {
 
     /// The tetrahedra at a vertex, ghosts included, in the order of a breadth-first walk.
     pub fn star(&self, vertex: u32) -> Vec<u32> {
+        self.visit_star(vertex, |_| true)
+    }
+
+    /// Goes through the tetrahedra at a vertex, breadth first, as long as `go_on` says so. Returns those found until then.
+    fn visit_star(&self, vertex: u32, mut go_on: impl FnMut(u32) -> bool) -> Vec<u32> {
+        /// So many are found faster by looking through them.
+        const FEW: usize = 48;
         let first = self.vertex_tet[vertex as usize];
         if first == NONE {
             return Vec::new();
         }
-        let mut star = vec![first];
-        let mut seen = rustc_hash::FxHashSet::from_iter([first]);
+        let mut star = Vec::with_capacity(FEW);
+        star.push(first);
+        let mut seen = rustc_hash::FxHashSet::default();
         let mut next = 0;
         while next < star.len() {
+            if !go_on(star[next]) {
+                break;
+            }
             let tet = self.tet(star[next]);
             next += 1;
             for slot in 0..4 {
                 let neighbour = tet_of(tet.n[slot]);
-                if tet.v[slot] != vertex && seen.insert(neighbour) {
+                if tet.v[slot] == vertex {
+                    continue;
+                }
+                let is_new = if star.len() < FEW {
+                    !star.contains(&neighbour)
+                } else {
+                    if seen.is_empty() {
+                        seen.extend(star.iter().copied());
+                    }
+                    seen.insert(neighbour)
+                };
+                if is_new {
                     star.push(neighbour);
                 }
             }

@@ -137,7 +137,7 @@ impl RuleName {
 pub enum SparsifyName {
     /// What is found at little cost
     Quick,
-    /// Three to five times the time, about a tenth fewer
+    /// Three to five times the time, about an eighth fewer
     Thorough,
 }
 

@@ -1,0 +1,350 @@
+//! A point put into a filling: its cavity are the tetrahedra whose balls hold it, there and beyond the hole's rim, and its star joins it
+//! to the cavity's border.
+
+use glam::DVec3;
+
+use super::{sphere, Demand, Filling, Forecast, Guess, ABSENT, FACE, RIM, WALL};
+use crate::domain::Boundary;
+use crate::triangulation::remove::ADDED;
+use crate::triangulation::topology::tet_of;
+use crate::triangulation::Triangulation;
+
+/// Nor are cavities that reach over more tetrahedra than this beyond the hole.
+const MAX_BEYOND: usize = 64;
+
+/// Where a point may go: anywhere, in a facet's plane, or along a segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Space {
+    /// Orthogonal unit vectors.
+    pub axes: [DVec3; 3],
+    /// How many of them count.
+    pub dimension: usize,
+}
+
+impl Space {
+    /// Anywhere.
+    pub const ALL: Space = Space { axes: [DVec3::X, DVec3::Y, DVec3::Z], dimension: 3 };
+
+    /// The part of a step that is possible.
+    pub fn along(&self, step: DVec3) -> DVec3 {
+        self.axes[..self.dimension].iter().map(|&axis| axis * axis.dot(step)).fold(DVec3::ZERO, |sum, part| sum + part)
+    }
+}
+
+impl Forecast {
+    /// Moves a point into the balls of all obstacles that `wanted` asks for: it has to be there to do away with them. False when that fails.
+    pub fn move_into_obstacles(&self, p: &mut DVec3, space: &Space, wanted: impl Fn(&Filling) -> bool) -> bool {
+        let mut q = *p - self.origin;
+        for _ in 0..12 {
+            let mut worst = (0.0, DVec3::ZERO);
+            for &i in &self.obstacles {
+                let ball = &self.filling[i as usize];
+                if !wanted(ball) {
+                    continue;
+                }
+                let d = q - ball.center;
+                let distance = d.length();
+                let over = distance - 0.98 * ball.radius2.sqrt();
+                if over > worst.0 {
+                    worst = (over, d * (over / distance));
+                }
+            }
+            if worst.0 == 0.0 {
+                *p = q + self.origin;
+                return true;
+            }
+            q -= space.along(1.02 * worst.1);
+        }
+        false
+    }
+
+    /// How bad what comes is when `p`, which lies on the facets `on`, is inserted into the filling: the largest R²/(β·l)² among tetrahedra that must
+    /// keep the bound, infinite when it can't be inserted. At most 1 is good. Gives up as soon as it is more than `cap`. Unless it is good, `push` is
+    /// where the point would have to go to be better.
+    pub fn try_point(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        p: DVec3,
+        on: &[u32],
+        demand: Demand,
+        cap: f64,
+    ) -> f64 {
+        let q = p - self.origin;
+        self.hit.clear();
+        self.hit.extend(self.filling.iter().map(|tet| q.distance_squared(tet.center) < tet.radius2));
+        if let Some(&missed) = self.obstacles.iter().find(|&&i| !self.hit[i as usize]) {
+            self.push = (self.filling[missed as usize].center - q).normalize_or_zero();
+            return f64::INFINITY;
+        }
+        let mut star = Star::new(q, demand, cap);
+        self.beyond.clear();
+        let fits = self.join_within(t, on, &mut star)
+            && self.join_beyond(t, boundary, on, &mut star)
+            && self.join_rim(&mut star)
+            && star.finish();
+        for &id in &self.beyond {
+            self.marks[id as usize] = 0;
+        }
+        if fits && star.worst <= 1.0 {
+            return star.worst;
+        }
+        self.push = repair(star.worst_face, q);
+        if fits {
+            star.worst
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Says in full what the insertion of `p`, on no facet, would change: the [`Guess`](super::Guess). False when it can't be done.
+    pub fn foresee(&mut self, t: &Triangulation, boundary: &Boundary, p: DVec3, demand: Demand) -> bool {
+        let q = p - self.origin;
+        self.hit.clear();
+        self.hit.extend(self.filling.iter().map(|tet| q.distance_squared(tet.center) < tet.radius2));
+        let mut star = Star::new(q, demand, f64::INFINITY);
+        self.guess.coming.clear();
+        star.coming = Some(std::mem::take(&mut self.guess.coming));
+        self.beyond.clear();
+        let fits = self.join_within(t, &[], &mut star)
+            && self.join_beyond(t, boundary, &[], &mut star)
+            && self.join_rim(&mut star);
+        let Guess { going, coming } = &mut self.guess;
+        *coming = star.coming.unwrap_or_default();
+        // What is there already and stays is marked: it does not go.
+        for (tet, _) in self.filling.iter().zip(&self.hit).filter(|(_, &hit)| !hit) {
+            if tet.id == ABSENT {
+                coming.push(tet.v.map(|v| self.vertices[v as usize]));
+            } else {
+                self.marks[tet.id as usize] = 0;
+            }
+        }
+        going.clear();
+        going.extend(self.going.iter().filter(|&&id| self.marks[id as usize] != 0).chain(&self.beyond));
+        for &id in &self.beyond {
+            self.marks[id as usize] = 0;
+        }
+        fits
+    }
+
+    /// The cavity inside the filling.
+    fn join_within(&mut self, t: &Triangulation, on: &[u32], star: &mut Star) -> bool {
+        for i in 0..self.filling.len() {
+            if !self.hit[i] {
+                continue;
+            }
+            let Filling { v, n, .. } = self.filling[i];
+            for (slot, &n) in n.iter().enumerate() {
+                if n & RIM == 0 {
+                    if self.hit[(n >> 2) as usize] {
+                        continue;
+                    }
+                } else {
+                    let rim = &mut self.rim[(n & !RIM) as usize];
+                    if on.contains(&rim.facet) {
+                        continue;
+                    }
+                    if rim.beyond != WALL {
+                        let id = tet_of(rim.beyond);
+                        if rim.radius2 < 0.0 {
+                            (rim.center, rim.radius2) = sphere(t.corners(id).map(|p| p - self.origin));
+                        }
+                        if star.q.distance_squared(rim.center) < rim.radius2 {
+                            if self.marks[id as usize] == 0 {
+                                self.marks[id as usize] = 1;
+                                self.beyond.push(id);
+                            }
+                            continue;
+                        }
+                    }
+                }
+                if !star.join(FACE[slot].map(|k| self.at(v[k])), || FACE[slot].map(|k| self.vertices[v[k] as usize])) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// The cavity beyond the rim.
+    fn join_beyond(&mut self, t: &Triangulation, boundary: &Boundary, on: &[u32], star: &mut Star) -> bool {
+        let mut next = 0;
+        while next < self.beyond.len() {
+            let tet = *t.topology.tet(self.beyond[next]);
+            next += 1;
+            for (slot, &n) in tet.n.iter().enumerate() {
+                let n = tet_of(n);
+                match boundary.wall(tet.face(slot)) {
+                    Some(facet) if on.contains(&facet) => continue,
+                    Some(_) => {}
+                    // Of the hole, or of the cavity already.
+                    None if self.marks[n as usize] != 0 => continue,
+                    None if !t.is_inside(n) => {}
+                    None => {
+                        let (center, radius2) = sphere(t.corners(n).map(|p| p - self.origin));
+                        if star.q.distance_squared(center) < radius2 {
+                            self.marks[n as usize] = 1;
+                            self.beyond.push(n);
+                            continue;
+                        }
+                    }
+                }
+                if !star.join(FACE[slot].map(|k| t.at(tet.v[k]) - self.origin), || FACE[slot].map(|k| tet.v[k])) {
+                    return false;
+                }
+            }
+            if self.beyond.len() > MAX_BEYOND {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Faces of the rim that only the cavity beyond has reached.
+    fn join_rim(&self, star: &mut Star) -> bool {
+        self.beyond.is_empty()
+            || self.rim.iter().all(|rim| {
+                let (tet, slot) = ((rim.inside >> 2) as usize, (rim.inside & 3) as usize);
+                if rim.beyond == WALL || self.marks[tet_of(rim.beyond) as usize] == 0 || self.hit[tet] {
+                    return true;
+                }
+                let [a, b, c] = FACE[slot].map(|k| self.filling[tet].v[k]);
+                star.join([a, c, b].map(|v| self.at(v)), || [a, c, b].map(|v| self.vertices[v as usize]))
+            })
+    }
+}
+
+/// The star that a point would get, four faces of its cavity at a time.
+struct Star {
+    q: DVec3,
+    demand: Demand,
+    cap: f64,
+    worst: f64,
+    worst_face: [DVec3; 3],
+    /// Faces to be joined, counterclockwise seen from `q`, and how many.
+    faces: [[DVec3; 3]; 4],
+    count: usize,
+    /// The tetrahedra, if they are wanted.
+    coming: Option<Vec<[u32; 4]>>,
+}
+
+impl Star {
+    fn new(q: DVec3, demand: Demand, cap: f64) -> Star {
+        let none = [DVec3::ZERO; 3];
+        Star { q, demand, cap, worst: 0.0, worst_face: none, faces: [none; 4], count: 0, coming: None }
+    }
+
+    /// Joins a face to the point. False when that is not possible, or too bad.
+    #[inline]
+    fn join(&mut self, face: [DVec3; 3], vertices: impl Fn() -> [u32; 3]) -> bool {
+        if let Some(coming) = &mut self.coming {
+            let [a, b, c] = vertices();
+            coming.push([a, b, c, ADDED]);
+            return true;
+        }
+        self.faces[self.count] = face;
+        self.count += 1;
+        self.count < 4 || self.finish()
+    }
+
+    /// Joins what waits.
+    fn finish(&mut self) -> bool {
+        let count = std::mem::take(&mut self.count);
+        let ratios = self.ratios();
+        for (&ratio, face) in ratios.iter().zip(&self.faces).take(count) {
+            if ratio > self.worst {
+                (self.worst, self.worst_face) = (ratio, *face);
+            }
+        }
+        self.worst <= self.cap
+    }
+
+    #[inline]
+    fn ratios(&self) -> [f64; 4] {
+        #[cfg(target_arch = "x86_64")]
+        if crate::geometry::lanes::Avx2::available() {
+            // SAFETY: the processor has what the function is compiled for.
+            return unsafe { ratios_avx2(&self.faces, self.q, self.demand) };
+        }
+        ratios(&self.faces, self.q, self.demand)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+unsafe fn ratios_avx2(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64; 4] {
+    ratios(faces, q, demand)
+}
+
+/// R²/(β·l)² of the tetrahedra of four faces and `q`, 0 where that does not matter, infinite where `q` is not on the face's side.
+#[inline(always)]
+fn ratios(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64; 4] {
+    type Lanes = [f64; 4];
+    let zip = |a: Lanes, b: Lanes, f: fn(f64, f64) -> f64| -> Lanes {
+        [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])]
+    };
+    let corner = |k: usize| -> [Lanes; 3] {
+        let p = [faces[0][k], faces[1][k], faces[2][k], faces[3][k]];
+        [p.map(|p| p.x - q.x), p.map(|p| p.y - q.y), p.map(|p| p.z - q.z)]
+    };
+    let add = |a, b| zip(a, b, |a, b| a + b);
+    let sub = |a, b| zip(a, b, |a, b| a - b);
+    let mul = |a, b| zip(a, b, |a, b| a * b);
+    let min = |a, b| zip(a, b, |a, b| if a < b { a } else { b });
+    let dot = |a: [Lanes; 3], b: [Lanes; 3]| add(add(mul(a[0], b[0]), mul(a[1], b[1])), mul(a[2], b[2]));
+    let cross = |a: [Lanes; 3], b: [Lanes; 3]| {
+        [
+            sub(mul(a[1], b[2]), mul(a[2], b[1])),
+            sub(mul(a[2], b[0]), mul(a[0], b[2])),
+            sub(mul(a[0], b[1]), mul(a[1], b[0])),
+        ]
+    };
+    let minus = |a: [Lanes; 3], b: [Lanes; 3]| [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])];
+    let (u, v, w) = (corner(0), corner(1), corner(2));
+    let (vw, wu, uv) = (cross(v, w), cross(w, u), cross(u, v));
+    let (uu, vv, ww) = (dot(u, u), dot(v, v), dot(w, w));
+    let (ab, bc, ca) = (minus(u, v), minus(v, w), minus(w, u));
+    let volume = dot(u, vw);
+    let part = |i: usize| add(add(mul(uu, vw[i]), mul(vv, wu[i])), mul(ww, uv[i]));
+    let n = [part(0), part(1), part(2)];
+    let numerator = dot(n, n);
+    let shortest = min(min(min(uu, vv), ww), min(min(dot(ab, ab), dot(bc, bc)), dot(ca, ca)));
+    let below = mul(mul(volume, volume), shortest);
+    let mut out = [0.0; 4];
+    for lane in 0..4 {
+        let ratio = numerator[lane] / (4.0 * demand.bound2 * below[lane]);
+        let ratio = if shortest[lane] > demand.level2 || ratio <= 1.0 - 1e-9 { 0.0 } else { ratio + 1e-9 };
+        out[lane] = if (volume[lane] < 0.0) & (below[lane] > 0.0) { ratio } else { f64::INFINITY };
+    }
+    out
+}
+
+/// The direction in which a point has to move so that its tetrahedron with a face becomes better: against the gradient of R²/l².
+fn repair([a, b, c]: [DVec3; 3], q: DVec3) -> DVec3 {
+    let (u, v, w) = (a - q, b - q, c - q);
+    let (vw, wu, uv) = (v.cross(w), w.cross(u), u.cross(v));
+    let volume = -u.dot(vw);
+    let normal = (b - a).cross(c - a);
+    if volume <= 0.0 {
+        return normal.normalize_or_zero();
+    }
+    let (uu, vv, ww) = (u.length_squared(), v.length_squared(), w.length_squared());
+    // From q to the circumcentre.
+    let to_center = (uu * vw + vv * wu + ww * uv) / (-2.0 * volume);
+    let radius2 = to_center.length_squared();
+    // Heights over the face: of q and of the centre.
+    let (height, center_height) = (-normal.dot(u), normal.dot(to_center - u));
+    let mut gradient = to_center * (-2.0 * center_height / (height * radius2));
+    let shortest2 = uu.min(vv).min(ww);
+    if shortest2 <= a.distance_squared(b).min(b.distance_squared(c)).min(c.distance_squared(a)) {
+        let near = if shortest2 == uu {
+            u
+        } else if shortest2 == vv {
+            v
+        } else {
+            w
+        };
+        gradient += near * (2.0 / shortest2);
+    }
+    -gradient.normalize_or_zero()
+}

@@ -1,0 +1,70 @@
+//! Faces by their vertices: how the two sides of a hole's faces find each other.
+
+use crate::triangulation::topology::NONE;
+
+/// The vertices of the face opposite a slot, counterclockwise seen from outside.
+#[inline]
+pub fn oriented_face(v: &[u32; 4], slot: usize) -> [u32; 3] {
+    const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+    FACE[slot].map(|i| v[i])
+}
+
+/// The face turned so that its lowest vertex stands first.
+#[inline]
+pub fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Faces by their [rotated] vertices: a hash table with open addressing that keeps its memory.
+#[derive(Clone, Debug, Default)]
+pub struct FaceTable {
+    pub keys: Vec<[u32; 3]>,
+    slots: Vec<u32>,
+}
+
+impl FaceTable {
+    pub fn clear(&mut self) {
+        self.keys.clear();
+    }
+
+    /// Makes the table of `keys`.
+    pub fn index(&mut self) {
+        self.slots.clear();
+        self.slots.resize((2 * self.keys.len()).next_power_of_two().max(2), NONE);
+        for (i, &key) in self.keys.iter().enumerate() {
+            let mut slot = self.first_slot(key);
+            while self.slots[slot] != NONE {
+                slot = (slot + 1) & (self.slots.len() - 1);
+            }
+            self.slots[slot] = i as u32;
+        }
+    }
+
+    #[inline]
+    fn first_slot(&self, [a, b, c]: [u32; 3]) -> usize {
+        let mixed = (u64::from(a) ^ u64::from(b) << 20 ^ u64::from(c) << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> (64 - self.slots.len().trailing_zeros())) as usize
+    }
+
+    /// The position of a key.
+    #[inline]
+    pub fn find(&self, key: [u32; 3]) -> Option<u32> {
+        let mut slot = self.first_slot(key);
+        loop {
+            let i = self.slots[slot];
+            if i == NONE {
+                return None;
+            }
+            if self.keys[i as usize] == key {
+                return Some(i);
+            }
+            slot = (slot + 1) & (self.slots.len() - 1);
+        }
+    }
+}
