@@ -247,6 +247,131 @@
 #define WSP_SPARSIFY_THOROUGH 3
 
 /**
+ * The complex as a whole.
+ */
+#define WSP_ELEMENT_DOMAIN 0
+
+/**
+ * A point.
+ */
+#define WSP_ELEMENT_POINT 1
+
+/**
+ * A segment of the list of segments.
+ */
+#define WSP_ELEMENT_SEGMENT 2
+
+/**
+ * A facet.
+ */
+#define WSP_ELEMENT_FACET 3
+
+/**
+ * A seed of a hole.
+ */
+#define WSP_ELEMENT_HOLE 4
+
+/**
+ * A seed of a region.
+ */
+#define WSP_ELEMENT_REGION 5
+
+/**
+ * A coordinate of a point or seed is NaN or infinite.
+ */
+#define WSP_DEFECT_NOT_FINITE 1
+
+/**
+ * A coordinate other than 0 is smaller than 2^-142 or larger than 2^201 in magnitude.
+ */
+#define WSP_DEFECT_OUT_OF_RANGE 2
+
+/**
+ * A segment or facet names a point that does not exist; the measure is its position.
+ */
+#define WSP_DEFECT_NO_SUCH_POINT 3
+
+/**
+ * A facet has no polygon, or a polygon no point.
+ */
+#define WSP_DEFECT_EMPTY 4
+
+/**
+ * There are more regions than can be told apart; the measure is how many can.
+ */
+#define WSP_DEFECT_TOO_MANY_REGIONS 5
+
+/**
+ * A segment's ends are at one place.
+ */
+#define WSP_DEFECT_NO_LENGTH 6
+
+/**
+ * A facet's points lie on a line.
+ */
+#define WSP_DEFECT_NO_AREA 7
+
+/**
+ * A facet's points don't lie in a plane; the measure is how far the worst is off.
+ */
+#define WSP_DEFECT_NOT_PLANAR 8
+
+/**
+ * Sides of one facet cross, or two corners lie upon each other in its plane.
+ */
+#define WSP_DEFECT_CROSSING_SIDES 9
+
+/**
+ * Two segments or sides cross.
+ */
+#define WSP_DEFECT_SEGMENTS_CROSS 10
+
+/**
+ * A segment, or the side of a facet, goes through a facet.
+ */
+#define WSP_DEFECT_SEGMENT_THROUGH_FACET 11
+
+/**
+ * Two facets have the same corners.
+ */
+#define WSP_DEFECT_DUPLICATE_FACET 12
+
+/**
+ * Two facets in one plane overlap.
+ */
+#define WSP_DEFECT_FACETS_OVERLAP 13
+
+/**
+ * Two points are at one place; they become one vertex.
+ */
+#define WSP_DEFECT_DUPLICATE_POINT 1001
+
+/**
+ * Two segments are the same.
+ */
+#define WSP_DEFECT_DUPLICATE_SEGMENT 1002
+
+/**
+ * A point lies on a segment or side, which is cut there.
+ */
+#define WSP_DEFECT_POINT_ON_SEGMENT 1003
+
+/**
+ * A point lies in a facet, of which it becomes a vertex.
+ */
+#define WSP_DEFECT_POINT_ON_FACET 1004
+
+/**
+ * An edge has one facet at it: the surface is open there.
+ */
+#define WSP_DEFECT_OPEN_EDGE 1005
+
+/**
+ * An edge has more than two facets at it; the measure is how many.
+ */
+#define WSP_DEFECT_NON_MANIFOLD_EDGE 1006
+
+/**
  * A point is at a vertex: `vertices[0]`.
  */
 #define WSP_AT_VERTEX 0
@@ -310,6 +435,11 @@
  * The Steiner points of one step. It never changes, so any thread may read it at any time.
  */
 typedef struct wsp_batch wsp_batch;
+
+/**
+ * What wsp_plc_check has found. It never changes, so any thread may read it at any time.
+ */
+typedef struct wsp_check wsp_check;
 
 /**
  * A handle through which long calls are followed and cancelled.
@@ -428,6 +558,19 @@ typedef struct wsp_refine_options {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * The largest length of an edge of a tetrahedron. 0, the default, asks for nothing. See wsp_refine_sized for more.
+     */
+    double max_edge;
+    /**
+     * 1 puts no Steiner points on segments and facets that are there; what could only be mended so is left and counted.
+     * Default: 0.
+     */
+    uint32_t keep_boundary;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved2;
 } wsp_refine_options;
 
 /**
@@ -464,6 +607,66 @@ typedef struct wsp_progress {
  * call that it runs in (WSP_ERR_BUSY); others are free.
  */
 typedef int32_t (*wsp_progress_callback)(void *user, const struct wsp_progress *progress);
+
+/**
+ * A kind of defect: one of the WSP_DEFECT_ constants. From WSP_DEFECT_DUPLICATE_POINT on they are warnings: the
+ * complex can be meshed. The others are errors.
+ */
+typedef uint32_t wsp_defect_kind;
+
+/**
+ * A kind of element of a complex: one of the WSP_ELEMENT_ constants.
+ */
+typedef uint32_t wsp_element_kind;
+
+/**
+ * An element of a complex by its position in its list.
+ */
+typedef struct wsp_element {
+    /**
+     * A WSP_ELEMENT_ constant.
+     */
+    wsp_element_kind kind;
+    /**
+     * The position; 0 for the domain.
+     */
+    uint32_t index;
+} wsp_element;
+
+/**
+ * A defect of a complex, or an angle of it. Fill it with wsp_defect_init before it is given to wsp_check_defect or
+ * wsp_check_angle.
+ */
+typedef struct wsp_defect {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * A WSP_DEFECT_ constant; 0 for an angle.
+     */
+    wsp_defect_kind kind;
+    /**
+     * 1 for an error, 0 for a warning and for an angle.
+     */
+    uint32_t is_error;
+    /**
+     * How many of `elements` count: one or two.
+     */
+    uint32_t element_count;
+    /**
+     * The elements concerned. A facet's side that is no segment of the list is named by the facet.
+     */
+    struct wsp_element elements[2];
+    /**
+     * A point where it is wrong; NaN where that means nothing.
+     */
+    double place[3];
+    /**
+     * A number that goes with the kind, else 0; of an angle its degrees.
+     */
+    double measure;
+} wsp_defect;
 
 /**
  * Where a point is.
@@ -616,7 +819,72 @@ typedef struct wsp_report {
      * Steiner points that this call has put in the place of two each.
      */
     size_t replaced;
+    /**
+     * Of the bad tetrahedra, those whose shortest edge spans an input angle of less than 60 degrees.
+     */
+    size_t unrefined_small_angle;
+    /**
+     * Those whose Steiner points would encroach upon segments or facets that can't be split: at small input angles, or
+     * because of `keep_boundary`.
+     */
+    size_t unrefined_boundary;
+    /**
+     * Those that would need an edge below the minimum length.
+     */
+    size_t unrefined_min_edge;
+    /**
+     * Those that a vertex limit or a cancellation came before.
+     */
+    size_t unrefined_limit;
+    /**
+     * Those for which rounding left no place.
+     */
+    size_t unrefined_rounding;
+    /**
+     * Tetrahedra, bad or not, that are larger than was asked for.
+     */
+    size_t too_large;
 } wsp_report;
+
+/**
+ * How large tetrahedra may be at most. Fill it with wsp_sizing_init. Of several sources the smallest length counts at each
+ * place; a length that is not positive and finite asks for nothing.
+ */
+typedef struct wsp_sizing {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The largest length of an edge in each region, in the order in which the regions were added; `region_count` of them.
+     * May be NULL.
+     */
+    const double *region_max_edge;
+    /**
+     * See `region_max_edge`; others ask for nothing.
+     */
+    size_t region_count;
+    /**
+     * The largest length at each vertex, by id; between vertices it is interpolated. `vertex_count` of them. May be NULL.
+     */
+    const double *vertex_max_edge;
+    /**
+     * See `vertex_max_edge`; others ask for nothing.
+     */
+    size_t vertex_count;
+    /**
+     * Fills in the largest length at `n` points, three doubles each. It must give the same answer each time. May be NULL.
+     */
+    void (*callback)(void *user, const double *xyz, size_t n, double *max_edge);
+    /**
+     * Given to the callback as it is.
+     */
+    void *user;
+} wsp_sizing;
 
 /**
  * A Steiner point of a round.
@@ -836,6 +1104,67 @@ wsp_status wsp_plc_counts(const struct wsp_plc *plc,
                           size_t *points,
                           size_t *segments,
                           size_t *facets);
+
+/**
+ * Makes `defect` one of no kind. `size` is `sizeof *defect`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_defect_init(struct wsp_defect *defect, size_t size);
+
+/**
+ * Finds every defect of a complex, not only the first: what makes it unusable (wsp_triangulation_from_plc refuses it with
+ * the first of these), and what can be meshed but may not be meant. Whether elements meet is decided exactly. The
+ * complex is not changed.
+ *
+ * `*out` belongs to the caller: free it with wsp_check_free. On an error it is NULL. It does not refer to the complex.
+ * Cost: n log n in the size of the complex, and linear in the pairs of elements whose bounding boxes meet.
+ * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_check(const struct wsp_plc *plc,
+                         struct wsp_check **out);
+
+/**
+ * Frees the result of a check; NULL is ignored.
+ */
+void wsp_check_free(struct wsp_check *check);
+
+/**
+ * The number of defects, errors first; 0 for NULL. `errors` is NULL or becomes the number of those that are errors.
+ */
+size_t wsp_check_count(const struct wsp_check *check,
+                       size_t *errors);
+
+/**
+ * Fills in defect `index`, from 0. Constant time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_ARGUMENT (there is no such defect).
+ */
+wsp_status wsp_check_defect(const struct wsp_check *check, size_t index, struct wsp_defect *defect);
+
+/**
+ * Defect `index` in words, to be read until the check is freed; NULL when there is none.
+ */
+const char *wsp_check_text(const struct wsp_check *check, size_t index);
+
+/**
+ * Fills in the smallest angle at which two segments meet (`between_facets` 0) or two facets (1): its degrees as the
+ * measure, the two elements, and a point where they meet. With no such angle the degrees are NaN and there are no elements.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_ARGUMENT (`between_facets` is neither).
+ */
+wsp_status wsp_check_angle(const struct wsp_check *check,
+                           uint32_t between_facets,
+                           struct wsp_defect *angle);
+
+/**
+ * Joins facets of one marker that share a side with no third facet at it, whose normals differ by at most `degrees`, as long
+ * as all their points stay in one plane as facets must. Only facets of a single polygon without holes take part, and no
+ * side that is a segment of the list is given up. Facets get new positions. `facets` is NULL or becomes how many there are.
+ *
+ * Cost: linear in the number of sides.
+ * Errors: WSP_ERR_NULL, WSP_ERR_ARGUMENT (`degrees` is not from 0 to 90), WSP_ERR_BUSY.
+ */
+wsp_status wsp_plc_join_coplanar(struct wsp_plc *plc,
+                                 double degrees,
+                                 size_t *facets);
 
 /**
  * Makes an empty triangulation without a domain. `options` may be NULL: the defaults.
@@ -1132,6 +1461,23 @@ wsp_status wsp_refine(struct wsp_triangulation *triangulation,
                       const struct wsp_refine_options *options,
                       struct wsp_control *control,
                       struct wsp_report *report);
+
+/**
+ * Makes `sizing` ask for nothing. `size` is `sizeof *sizing`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_sizing_init(struct wsp_sizing *sizing, size_t size);
+
+/**
+ * wsp_refine with sizes: a tetrahedron with an edge longer than asked for at its centroid is refined too, within the same boundary
+ * rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions count in both functions. The callback runs on the calling thread.
+ * Errors: as wsp_refine.
+ */
+wsp_status wsp_refine_sized(struct wsp_triangulation *triangulation,
+                            const struct wsp_refine_options *options,
+                            const struct wsp_sizing *sizing,
+                            struct wsp_control *control,
+                            struct wsp_report *report);
 
 /**
  * Takes Steiner points away, or puts one in the place of two neighbours, wherever every tetrahedron that comes keeps the bound

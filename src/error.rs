@@ -82,7 +82,7 @@ pub enum Error {
 }
 
 /// An element of a piecewise linear complex, named by its position in the caller's lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum DomainElement {
     /// The domain as a whole.

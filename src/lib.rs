@@ -31,12 +31,14 @@ pub mod sparsify;
 pub mod triangulation;
 
 pub use control::{Control, Progress};
+pub use domain::check::{PlcCheck, PlcDefect, PlcDefectKind, Severity, SmallAngle};
 pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
 pub use error::{DomainElement, Error};
 pub use glam::DVec3;
 pub use mesh::{Mesh, MeshView};
+pub use refine::sizing::Sizing;
 pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
-pub use refine::{RefineOptions, RefineReport, RefineStatus};
+pub use refine::{RefineOptions, RefineReport, RefineStatus, Unrefined};
 pub use sampler::Rule;
 pub use sparsify::Sparsify;
 pub use triangulation::{Location, Triangulation};

@@ -3,16 +3,22 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
+use crate::refine::sizing::{Sizes, Sizing};
+use crate::refine::Unrefined;
 use crate::sparsify::{Sparsifier, Sparsify};
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
 use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
+
+/// Why tetrahedra were left as they are, by their vertices.
+type Reasons = FxHashMap<[u32; 4], Unrefined>;
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +36,8 @@ pub struct Mesh {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Domain {
     pub boundary: Boundary,
+    /// The seeds of regions.
+    pub regions: Vec<PlcRegion>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -75,7 +83,7 @@ impl Mesh {
 
     /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
     pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        plc.check_references()?;
+        let parts = plc.arrange()?;
         let mut mesh = Mesh::new();
         mesh.set_threads(threads);
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
@@ -92,7 +100,7 @@ impl Mesh {
         if mesh.t.dimension() < 3 {
             return Err(whole("its points lie in a plane and enclose no volume"));
         }
-        let boundary = Boundary::from_plc(&mesh.t, plc, &ids)?;
+        let boundary = Boundary::from_plc(&mesh.t, plc, &parts, &ids)?;
         if mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? == RefineStatus::Cancelled {
             return Err(Error::Cancelled);
         }
@@ -128,8 +136,9 @@ impl Mesh {
         self.forget_view();
         // An id of an input vertex stays one.
         self.t.retire_free_ids();
-        let mut domain = Domain { boundary };
+        let mut domain = Domain { boundary, ..Domain::default() };
         if self.t.dimension() == 3 {
+            domain.boundary.find_room(&self.t);
             domain.boundary.enqueue_all(&self.t);
             domain.boundary.label(&mut self.t, &[], &[]);
         }
@@ -147,11 +156,15 @@ impl Mesh {
         let mut status = RefineStatus::Done;
         if self.t.dimension() == 3 {
             boundary.enqueue_all(&self.t);
+            boundary.pending_segments.clear();
+            boundary.pending_facets.clear();
             status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
+            boundary.find_room(&self.t);
+            boundary.enqueue_all(&self.t);
             boundary.label(&mut self.t, holes, regions);
         }
         self.forget_view();
-        self.domain = Some(Domain { boundary });
+        self.domain = Some(Domain { boundary, regions: regions.to_vec() });
         Ok(status)
     }
 
@@ -229,29 +242,55 @@ impl Mesh {
     ///
     /// Cost: near-linear in the vertices of the result.
     pub fn refine(&mut self, options: &RefineOptions, control: &Control) -> Result<RefineReport, Error> {
+        self.refine_sized(options, &Sizing::default(), control)
+    }
+
+    /// [`refine`](Self::refine), with sizes that tetrahedra must not exceed. The largest volumes of the complex's regions are such sizes too,
+    /// and are kept without being asked for here.
+    pub fn refine_sized(
+        &mut self,
+        options: &RefineOptions,
+        sizing: &Sizing,
+        control: &Control,
+    ) -> Result<RefineReport, Error> {
         options.check()?;
         if self.domain.is_none() {
             self.use_hull_as_domain()?;
         }
         self.forget_view();
         let (mut counts, mut taken) = ([0; 3], [0; 2]);
+        let mut reasons = Reasons::default();
+        let (mut at_vertices, mut volumes) = (None, Vec::new());
         let mut status = RefineStatus::Done;
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
+            domain.boundary.kept = options.keep_boundary;
+            volumes = domain.regions.iter().map(|region| region.max_volume).collect();
+            let asked = Sizes::new(*sizing, &volumes);
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
-            let level = options.sparsify();
+            // The sparsifier knows of no sizes: it would take away what they ask for.
+            let level = if asked.is_empty() { options.sparsify() } else { Sparsify::Off };
+            refiner.sizes = (!asked.is_empty()).then_some(asked);
             if level != Sparsify::Off {
                 let first = self.input_slots as u32;
                 refiner.sparsifier = Some(Sparsifier::new(level, options.radius_edge, refiner.min_edge, first));
             }
             let result = refiner.refine(control);
+            at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
+            reasons = std::mem::take(&mut refiner.reasons);
             let sparsifier = refiner.sparsifier.take();
-            status = self.thin_out(sparsifier, result, control, &mut taken)?;
+            domain.boundary.kept = false;
+            status = self.thin_out(sparsifier, result, control, &mut taken, &mut reasons)?;
         }
-        let mut report = self.report(options.radius_edge, status);
+        let mut report = self.report_with(options.radius_edge, status, &reasons);
+        if let Some(at_vertices) = at_vertices {
+            let mut sizes = Sizes::new(*sizing, &volumes).with_vertices(at_vertices);
+            let inside: Vec<u32> = self.inside().collect();
+            report.too_large = inside.chunks(4096).map(|some| sizes.too_large(&self.t, some).len()).sum();
+        }
         let waits =
             |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
-        let left = report.bad > 0 || self.boundary().is_some_and(waits);
+        let left = report.bad > 0 || report.too_large > 0 || self.boundary().is_some_and(waits);
         if !left && report.status != RefineStatus::Cancelled {
             // A limit was met with nothing left to do, or what was refused has been mended on the way.
             report.status = RefineStatus::Done;
@@ -269,6 +308,7 @@ impl Mesh {
         result: Result<RefineStatus, Error>,
         control: &Control,
         taken: &mut [usize; 2],
+        reasons: &mut Reasons,
     ) -> Result<RefineStatus, Error> {
         let (Some(mut sparsifier), Some(domain)) = (sparsifier, &mut self.domain) else { return result };
         let result = match result {
@@ -282,6 +322,8 @@ impl Mesh {
         if sparsifier.removed + sparsifier.replaced > 0 {
             let new_id = self.t.compact_from(self.input_slots as u32);
             domain.boundary.renumber(&new_id);
+            let renamed = |v: u32| new_id.get(v as usize).copied().unwrap_or(v);
+            *reasons = reasons.drain().map(|(v, reason)| (v.map(renamed), reason)).collect();
         }
         result
     }
@@ -305,7 +347,8 @@ impl Mesh {
         if self.t.dimension() == 3 && level != Sparsify::Off {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
             sparsifier.begin_with_all();
-            status = self.thin_out(Some(sparsifier), Ok(RefineStatus::Done), control, &mut taken)?;
+            status =
+                self.thin_out(Some(sparsifier), Ok(RefineStatus::Done), control, &mut taken, &mut Reasons::default())?;
         }
         let mut report = self.report(radius_edge, status);
         if report.bad > 0 && status == RefineStatus::Done {
@@ -317,6 +360,11 @@ impl Mesh {
 
     /// The mesh's sizes and quality now.
     pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
+        self.report_with(bound, status, &FxHashMap::default())
+    }
+
+    /// [`report`](Self::report) with the reasons for which tetrahedra were left.
+    fn report_with(&self, bound: f64, status: RefineStatus, reasons: &Reasons) -> RefineReport {
         let mut report = RefineReport {
             status,
             input_vertices: self.input_vertex_count(),
@@ -329,7 +377,8 @@ impl Mesh {
             removed: 0,
             replaced: 0,
             bad: 0,
-            bad_at_small_angles: 0,
+            unrefined: [0; Unrefined::ALL.len()],
+            too_large: 0,
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
         };
@@ -338,7 +387,13 @@ impl Mesh {
             report.tetrahedra += 1;
             if exceeds_radius_edge(corners, bound) {
                 report.bad += 1;
-                report.bad_at_small_angles += usize::from(self.is_at_small_angle(tet));
+                let known = reasons.get(&self.t.topology.tet(tet).v).copied();
+                let reason = match known {
+                    _ if self.is_at_small_angle(tet) => Unrefined::SmallAngle,
+                    Some(reason) => reason,
+                    None => Unrefined::Limit,
+                };
+                report.unrefined[reason as usize] += 1;
             }
             report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
             report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
@@ -374,7 +429,8 @@ impl Mesh {
         self.t.validate(level)?;
         match &self.domain {
             Some(domain) if level >= 3 && self.t.dimension() == 3 => {
-                domain.boundary.first_missing(&self.t).map_or(Ok(()), Err)
+                let defect = domain.boundary.first_missing(&self.t).or_else(|| domain.boundary.first_leak(&self.t));
+                defect.map_or(Ok(()), Err)
             }
             _ => Ok(()),
         }

@@ -5,11 +5,12 @@
 use std::path::Path;
 
 /// The files in the order in which the header shall tell them.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "status",
     "options",
     "control",
     "plc",
+    "check",
     "triangulation",
     "view",
     "steps",

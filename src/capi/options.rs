@@ -150,15 +150,22 @@ pub struct wsp_refine_options {
     pub sparsify: wsp_sparsify,
     /// Must be 0.
     pub reserved: u32,
+    /// The largest length of an edge of a tetrahedron. 0, the default, asks for nothing. See wsp_refine_sized for more.
+    pub max_edge: f64,
+    /// 1 puts no Steiner points on segments and facets that are there; what could only be mended so is left and counted.
+    /// Default: 0.
+    pub keep_boundary: u32,
+    /// Must be 0.
+    pub reserved2: u32,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
 unsafe impl Sized_ for wsp_refine_options {
     const NAME: &'static str = "wsp_refine_options";
-    const SIZES: &'static [usize] = &[size_of::<Self>()];
+    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, max_edge), size_of::<Self>()];
 
     fn defaults() -> Self {
-        let RefineOptions { radius_edge, rule, max_vertices, min_edge, sparsify } = RefineOptions::default();
+        let RefineOptions { radius_edge, rule, max_vertices, min_edge, sparsify, .. } = RefineOptions::default();
         wsp_refine_options {
             struct_size: 0,
             rule: rule_number(rule),
@@ -167,6 +174,9 @@ unsafe impl Sized_ for wsp_refine_options {
             max_vertices,
             sparsify: sparsify_number(sparsify),
             reserved: 0,
+            max_edge: 0.0,
+            keep_boundary: 0,
+            reserved2: 0,
         }
     }
 }

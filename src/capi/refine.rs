@@ -1,13 +1,15 @@
 //! The refinement as one call, and its report.
 
+use std::ffi::c_void;
+
 use super::args;
 use super::control::{self, wsp_control};
-use super::guard::call;
+use super::guard::{call, host_code, Failure};
 use super::options::{rule, sparsify, wsp_refine_options, wsp_sparsify};
 use super::sized::{self, Sized_};
 use super::status::*;
 use super::triangulation::wsp_triangulation;
-use crate::{RefineOptions, RefineReport, RefineStatus};
+use crate::{DVec3, RefineOptions, RefineReport, RefineStatus, Sizing};
 
 /// What a refinement did, and the mesh's quality now. Fill it with wsp_report_init before it is given to wsp_refine.
 #[repr(C)]
@@ -41,12 +43,25 @@ pub struct wsp_report {
     pub removed: usize,
     /// Steiner points that this call has put in the place of two each.
     pub replaced: usize,
+    /// Of the bad tetrahedra, those whose shortest edge spans an input angle of less than 60 degrees.
+    pub unrefined_small_angle: usize,
+    /// Those whose Steiner points would encroach upon segments or facets that can't be split: at small input angles, or
+    /// because of `keep_boundary`.
+    pub unrefined_boundary: usize,
+    /// Those that would need an edge below the minimum length.
+    pub unrefined_min_edge: usize,
+    /// Those that a vertex limit or a cancellation came before.
+    pub unrefined_limit: usize,
+    /// Those for which rounding left no place.
+    pub unrefined_rounding: usize,
+    /// Tetrahedra, bad or not, that are larger than was asked for.
+    pub too_large: usize,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
 unsafe impl Sized_ for wsp_report {
     const NAME: &'static str = "wsp_report";
-    const SIZES: &'static [usize] = &[size_of::<Self>()];
+    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, unrefined_small_angle), size_of::<Self>()];
 
     fn defaults() -> Self {
         wsp_report {
@@ -64,6 +79,12 @@ unsafe impl Sized_ for wsp_report {
             min_dihedral_degrees: 180.0,
             removed: 0,
             replaced: 0,
+            unrefined_small_angle: 0,
+            unrefined_boundary: 0,
+            unrefined_min_edge: 0,
+            unrefined_limit: 0,
+            unrefined_rounding: 0,
+            too_large: 0,
         }
     }
 }
@@ -79,6 +100,7 @@ fn status(status: RefineStatus) -> wsp_status {
 
 impl From<&RefineReport> for wsp_report {
     fn from(report: &RefineReport) -> Self {
+        let [small_angle, boundary, min_edge, limit, rounding] = report.unrefined;
         wsp_report {
             struct_size: 0,
             status: status(report.status),
@@ -94,6 +116,12 @@ impl From<&RefineReport> for wsp_report {
             min_dihedral_degrees: report.min_dihedral_degrees,
             removed: report.removed,
             replaced: report.replaced,
+            unrefined_small_angle: small_angle,
+            unrefined_boundary: boundary,
+            unrefined_min_edge: min_edge,
+            unrefined_limit: limit,
+            unrefined_rounding: rounding,
+            too_large: report.too_large,
         }
     }
 }
@@ -130,26 +158,144 @@ pub unsafe extern "C" fn wsp_refine(
     report: *mut wsp_report,
 ) -> wsp_status {
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
-    call("wsp_refine", || unsafe {
+    call("wsp_refine", || unsafe { refine(triangulation, options, None, control, report) })
+}
+
+/// How large tetrahedra may be at most. Fill it with wsp_sizing_init. Of several sources the smallest length counts at each
+/// place; a length that is not positive and finite asks for nothing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct wsp_sizing {
+    /// Set by the `_init`.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The largest length of an edge in each region, in the order in which the regions were added; `region_count` of them.
+    /// May be NULL.
+    pub region_max_edge: *const f64,
+    /// See `region_max_edge`; others ask for nothing.
+    pub region_count: usize,
+    /// The largest length at each vertex, by id; between vertices it is interpolated. `vertex_count` of them. May be NULL.
+    pub vertex_max_edge: *const f64,
+    /// See `vertex_max_edge`; others ask for nothing.
+    pub vertex_count: usize,
+    /// Fills in the largest length at `n` points, three doubles each. It must give the same answer each time. May be NULL.
+    pub callback: Option<unsafe extern "C" fn(user: *mut c_void, xyz: *const f64, n: usize, max_edge: *mut f64)>,
+    /// Given to the callback as it is.
+    pub user: *mut c_void,
+}
+
+// SAFETY: repr(C), integers, pointers and a nullable function pointer, which the caller vouches for; struct_size first.
+unsafe impl Sized_ for wsp_sizing {
+    const NAME: &'static str = "wsp_sizing";
+    const SIZES: &'static [usize] = &[size_of::<Self>()];
+
+    fn defaults() -> Self {
+        wsp_sizing {
+            struct_size: 0,
+            reserved: 0,
+            region_max_edge: std::ptr::null(),
+            region_count: 0,
+            vertex_max_edge: std::ptr::null(),
+            vertex_count: 0,
+            callback: None,
+            user: std::ptr::null_mut(),
+        }
+    }
+}
+
+/// Makes `sizing` ask for nothing. `size` is `sizeof *sizing`.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_sizing_init(sizing: *mut wsp_sizing, size: usize) -> wsp_status {
+    call("wsp_sizing_init", || {
+        // SAFETY: the caller gives `size` writable bytes, or NULL.
+        unsafe { sized::init(sizing, size, "sizing")? };
+        Ok(WSP_DONE)
+    })
+}
+
+/// wsp_refine with sizes: a tetrahedron with an edge longer than asked for at its centroid is refined too, within the same boundary
+/// rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions count in both functions. The callback runs on the calling thread.
+/// Errors: as wsp_refine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_refine_sized(
+    triangulation: *mut wsp_triangulation,
+    options: *const wsp_refine_options,
+    sizing: *const wsp_sizing,
+    control: *mut wsp_control,
+    report: *mut wsp_report,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
+    call("wsp_refine_sized", || unsafe {
+        let sizing = sized::read(sizing, "sizing")?;
+        if sizing.reserved != 0 {
+            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", sizing.reserved)));
+        }
+        refine(triangulation, options, Some(sizing), control, report)
+    })
+}
+
+/// # Safety
+/// As for wsp_refine and wsp_refine_sized.
+unsafe fn refine(
+    triangulation: *mut wsp_triangulation,
+    options: *const wsp_refine_options,
+    sizing: Option<wsp_sizing>,
+    control: *mut wsp_control,
+    report: *mut wsp_report,
+) -> Result<wsp_status, Failure> {
+    // SAFETY: as the caller promises.
+    unsafe {
         if !report.is_null() {
             sized::check_out(report, "report")?;
         }
-        let options = sized::read(options, "options")?;
-        let options = RefineOptions {
-            radius_edge: options.radius_edge,
-            rule: rule(options.rule)?,
-            max_vertices: options.max_vertices,
-            min_edge: options.min_edge,
-            sparsify: sparsify(options.sparsify)?,
+        let given = sized::read(options, "options")?;
+        if given.reserved != 0 {
+            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", given.reserved)));
+        }
+        if !(given.max_edge >= 0.0 && given.max_edge.is_finite()) {
+            let text = format!("max_edge is {}, expected a length, or 0", given.max_edge);
+            return Err(Failure::new(WSP_ERR_OPTION, text));
+        }
+        let keep_boundary = match given.keep_boundary {
+            0 => false,
+            1 => true,
+            other => return Err(Failure::new(WSP_ERR_OPTION, format!("keep_boundary is {other}, expected 0 or 1"))),
         };
+        let options = RefineOptions {
+            radius_edge: given.radius_edge,
+            rule: rule(given.rule)?,
+            max_vertices: given.max_vertices,
+            min_edge: given.min_edge,
+            sparsify: sparsify(given.sparsify)?,
+            keep_boundary,
+        };
+        let mut sizes = Sizing { uniform: given.max_edge, ..Sizing::default() };
+        let asked = sizing.and_then(|s| s.callback.map(|callback| (callback, s.user)));
+        let callback = |points: &[DVec3], answers: &mut [f64]| {
+            if let Some((callback, user)) = asked {
+                // SAFETY: as many points as answers; the caller vouches for the function and for `user`.
+                host_code(|| {
+                    callback(user, points.as_ptr().cast(), points.len(), answers.as_mut_ptr());
+                });
+            }
+        };
+        if let Some(sizing) = &sizing {
+            sizes.regions = args::slice(sizing.region_max_edge, sizing.region_count, "region_max_edge")?;
+            sizes.vertices = args::slice(sizing.vertex_max_edge, sizing.vertex_count, "vertex_max_edge")?;
+            if sizing.callback.is_some() {
+                sizes.callback = Some(&callback);
+            }
+        }
         let control = control::core(control)?;
         let mut state = args::reference(triangulation, "triangulation")?.handle.write()?;
-        let done = state.change(|mesh| mesh.refine(&options, &control))?;
+        let done = state.change(|mesh| mesh.refine_sized(&options, &sizes, &control))?;
         if !report.is_null() {
             sized::write(&wsp_report::from(&done), report, "report")?;
         }
         Ok(status(done.status))
-    })
+    }
 }
 
 /// Takes Steiner points away, or puts one in the place of two neighbours, wherever every tetrahedron that comes keeps the bound

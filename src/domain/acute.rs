@@ -1,13 +1,14 @@
 //! Small input angles. Where two boundary elements meet at less than 60° their splits, and the Steiner points between them, can
 //! call each other for ever: the nearer to the corner, the nearer the two elements are to each other. The distance
 //! between vertices on two such elements is given by the input, so nothing is done about it:
-//! - a boundary vertex does not encroach upon an element that it meets acutely, unless the element is missing;
-//! - a tetrahedron whose shortest edge joins two such vertices is left as it is, and counted
+//! - a boundary vertex does not encroach upon an element that it meets acutely;
+//! - a tetrahedron whose shortest edge joins two such vertices has nothing split for it, and is counted when it stays bad
 //!   (the *seditious* edges of G. Miller, S. Pav, N. Walkington, "When and why Delaunay refinement algorithms work", IJCGA 15, 2005).
 //!
-//! Together with the concentric shells of [`split`](super::split) around acute vertices this lets refinement end.
+//! Together with the concentric shells of [`split`](super::split) around acute vertices, and with the floors of [`pending`](super::pending), this lets
+//! refinement end.
 
-use super::boundary::Boundary;
+use super::boundary::{edge_key, face_key, Boundary, SHARP};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -47,7 +48,7 @@ pub(crate) fn split_point([p, q]: [DVec3; 2], acute: [bool; 2]) -> DVec3 {
 
 impl Boundary {
     /// The input vertices of a carrier.
-    fn corners<'a>(&'a self, carrier: &'a Carrier) -> &'a [u32] {
+    pub(super) fn corners<'a>(&'a self, carrier: &'a Carrier) -> &'a [u32] {
         match carrier {
             Carrier::Free => &[],
             Carrier::Vertex(v) => std::slice::from_ref(v),
@@ -81,6 +82,41 @@ impl Boundary {
             }
             _ => false,
         }
+    }
+
+    /// Finds the segments along which two facets meet at less than 60°.
+    pub(super) fn find_sharp(&mut self, t: &Triangulation) {
+        let mut sharp = vec![false; self.segments.len()];
+        let mut inward: Vec<DVec3> = Vec::new();
+        for (&[a, b], &segment) in &self.subsegments {
+            inward.clear();
+            let along = (t.at(b) - t.at(a)).normalize_or_zero();
+            for &facet in &self.segments[segment as usize].facets {
+                for triangle in self.facets[facet as usize].at_edge([a, b]) {
+                    inward.push((t.at(triangle[2]) - t.at(a)).reject_from_normalized(along));
+                }
+            }
+            // Seven directions in a plane have two at less than 60°.
+            let close = |(i, u): (usize, &DVec3)| inward[..i].iter().any(|v| is_acute(*u, *v));
+            sharp[segment as usize] |= inward.len() > 6 || inward.iter().enumerate().any(close);
+        }
+        for ([a, b], segment) in self.subsegments() {
+            if sharp[segment as usize] {
+                self.mark(a, SHARP);
+                self.mark(b, SHARP);
+            }
+        }
+        self.sharp_segments = sharp;
+    }
+
+    /// The input element of a subsegment or subfacet.
+    pub(crate) fn carrier_of(&self, corners: &[u32]) -> Carrier {
+        match *corners {
+            [a, b] => self.subsegments.get(&edge_key([a, b])).map(|&s| Carrier::Segment(s)),
+            [a, b, c] => self.subfacets.get(&face_key([a, b, c])).map(|&f| Carrier::Facet(f)),
+            _ => None,
+        }
+        .unwrap_or_default()
     }
 
     /// Whether an edge's length is given by an acute input angle.

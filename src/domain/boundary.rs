@@ -7,14 +7,15 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::acute::Carrier;
 use super::facet::FacetTriangulation;
+use super::pending::Demand;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{slot_of, tet_of, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -35,6 +36,11 @@ pub(super) const ON_SEGMENT: u8 = 1;
 pub(super) const ON_FACET: u8 = 2;
 /// A vertex is an end of two segments that meet at less than 60°.
 pub(super) const ACUTE: u8 = 4;
+/// A vertex lies on a segment where two facets meet at less than 60°.
+pub(super) const SHARP: u8 = 8;
+
+/// Elements that are encroached before the refinement begins are split down to this part of their shortest side, where they meet others acutely.
+const FIRST_SPLITS: f64 = 0.125;
 
 /// An input segment.
 #[derive(Clone, Debug)]
@@ -54,17 +60,56 @@ pub struct Encroached {
     pub segments: Vec<[u32; 2]>,
     /// Subfacets, vertices in order.
     pub facets: Vec<[u32; 3]>,
+    /// Subsegments that would go from the triangulation without being encroached. That is so near small input angles only, where vertices
+    /// are left in the balls of elements.
+    pub lost_segments: Vec<[u32; 2]>,
+    /// Subfacets of which the same is true.
+    pub lost_facets: Vec<[u32; 3]>,
 }
 
 impl Encroached {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.segments.is_empty() && self.facets.is_empty()
+        self.segments.is_empty() && self.facets.is_empty() && !self.loses()
+    }
+
+    /// Whether some would go though they are not encroached.
+    pub fn loses(&self) -> bool {
+        !(self.lost_segments.is_empty() && self.lost_facets.is_empty())
     }
 
     pub(crate) fn clear(&mut self) {
         self.segments.clear();
         self.facets.clear();
+        self.lost_segments.clear();
+        self.lost_facets.clear();
+    }
+}
+
+/// What is known of a vertex before a split, to take the split back.
+#[derive(Clone, Debug)]
+pub(crate) struct Standing {
+    pub kind: u8,
+    pub carrier: Carrier,
+    /// The subsegment that is split, and its segment.
+    pub edge: Option<([u32; 2], u32)>,
+}
+
+/// How a boundary element stands in the triangulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Missing,
+    Encroached,
+    Clear,
+}
+
+impl State {
+    fn of(encroached: bool) -> State {
+        if encroached {
+            State::Encroached
+        } else {
+            State::Clear
+        }
     }
 }
 
@@ -80,12 +125,30 @@ pub struct Boundary {
     pub(super) subsegments: FxHashMap<[u32; 2], u32>,
     /// The facet of each subfacet.
     pub(super) subfacets: FxHashMap<[u32; 3], u32>,
-    /// Encroached or missing subsegments, to be split; those that are gone by their turn are passed over.
-    pub(crate) pending_segments: VecDeque<[u32; 2]>,
-    pub(crate) pending_facets: VecDeque<[u32; 3]>,
-    /// Elements that can't be split any more.
-    pub(crate) blocked_segments: FxHashSet<[u32; 2]>,
-    pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
+    /// Elements that a split has taken out of the triangulation; those that are there again by their turn are passed over.
+    pub(crate) missing_segments: VecDeque<[u32; 2]>,
+    pub(crate) missing_facets: VecDeque<[u32; 3]>,
+    /// Encroached subsegments, to be split; those that are gone by their turn are passed over.
+    pub(crate) pending_segments: VecDeque<([u32; 2], Demand)>,
+    pub(crate) pending_facets: VecDeque<([u32; 3], Demand)>,
+    /// Elements whose split was refused, with the length of the shortest edge that it would have made: it can be asked for by something
+    /// that is content with such edges. −1 when it can't be at all.
+    pub(crate) blocked_segments: FxHashMap<[u32; 2], f64>,
+    pub(crate) blocked_facets: FxHashMap<[u32; 3], f64>,
+    /// While the boundary is being recovered only what is missing is split, not what is encroached.
+    pub(crate) recovering: bool,
+    /// Each subfacet lies between tetrahedra with different labels.
+    pub(super) parts_labels: bool,
+    /// Nothing that is there may be split.
+    pub(crate) kept: bool,
+    /// Whether facets meet at less than 60° along each segment.
+    pub(super) sharp_segments: Vec<bool>,
+    /// The length of the shortest segment at each acute vertex.
+    pub(super) shortest_at: FxHashMap<u32, f64>,
+    /// The distance of the nearest vertex to each acute vertex, when the boundary had been recovered.
+    pub(super) room_at: FxHashMap<u32, f64>,
+    /// The largest cosine between two segments at each acute vertex.
+    pub(super) sharpness: FxHashMap<u32, f64>,
     /// Vertices have been taken away: some element may be encroached that nothing has queued.
     pub(crate) relaxed: bool,
 }
@@ -96,8 +159,12 @@ impl Boundary {
     }
 
     /// The input element that a vertex lies on.
-    pub(crate) fn carrier(&self, v: u32) -> Carrier {
+    pub fn carrier(&self, v: u32) -> Carrier {
         self.carriers.get(v as usize).copied().unwrap_or_default()
+    }
+
+    pub(super) fn sharpness(&self, v: u32) -> f64 {
+        self.sharpness.get(&v).copied().unwrap_or(0.0)
     }
 
     /// Forgets what is known of a vertex: its id has another one now.
@@ -190,11 +257,15 @@ impl Boundary {
         self.subfacets.get(&face_key(face)).copied()
     }
 
-    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon. `found` is filled, in a fixed order.
+    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
+    /// small input angles have left an element encroached). `found` is filled, in a fixed order.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
+        let mut seen: Vec<[u32; 2]> = Vec::new();
+        let regions = &t.topology.region;
+        let by_labels = self.parts_labels && !self.misses() && !self.recovering && !regions.is_empty();
         for &tet in &cavity.tets {
-            let v = t.topology.tet(tet).v;
+            let Tetrahedron { v, n } = *t.topology.tet(tet);
             let kinds = v.map(|v| if v == GHOST { 0 } else { self.kind(v) });
             let count = |bit: u8| kinds.iter().filter(|&&kind| kind & bit != 0).count();
             if count(ON_SEGMENT) >= 2 {
@@ -203,56 +274,81 @@ impl Boundary {
                         continue;
                     }
                     let key = edge_key([v[i], v[j]]);
-                    if self.subsegments.contains_key(&key)
-                        && !found.segments.contains(&key)
-                        && encroaches_segment(key.map(|v| t.at(v)), p)
-                    {
+                    if !self.subsegments.contains_key(&key) || seen.contains(&key) {
+                        continue;
+                    }
+                    seen.push(key);
+                    if encroaches_segment(key.map(|v| t.at(v)), p) {
                         found.segments.push(key);
+                    } else if t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)) {
+                        found.lost_segments.push(key);
                     }
                 }
             }
             if count(ON_FACET) >= 3 {
                 for slot in 0..4 {
+                    let across = tet_of(n[slot]);
+                    let goes = cavity.contains(across);
+                    // Each face is looked at once. A facet that parts two regions shows in their labels.
+                    if goes && across < tet || by_labels && regions[tet as usize] == regions[across as usize] {
+                        continue;
+                    }
                     let face = t.topology.tet(tet).face(slot);
                     if !self.is_subfacet(face) {
                         continue;
                     }
                     let key = face_key(face);
-                    if !found.facets.contains(&key) && encroaches_facet(key.map(|v| t.at(v)), p) {
+                    if encroaches_facet(key.map(|v| t.at(v)), p) {
                         found.facets.push(key);
+                    } else if goes {
+                        found.lost_facets.push(key);
                     }
                 }
             }
         }
     }
 
-    /// Queues what of these elements still exists and can be split.
-    pub(crate) fn enqueue(&mut self, found: &Encroached) {
+    /// Queues what of these elements still exists and can be split as demanded.
+    pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand) {
         for &s in &found.segments {
-            if self.waits_segment(s) {
-                self.pending_segments.push_back(s);
+            if self.waits_segment(s, demand) {
+                self.pending_segments.push_back((s, demand));
             }
         }
         for &f in &found.facets {
-            if self.waits_facet(f) {
-                self.pending_facets.push_back(f);
+            if self.waits_facet(f, demand) {
+                self.pending_facets.push_back((f, demand));
             }
         }
     }
 
-    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted.
-    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached) {
-        // What the vertex has removed from the triangulation is split at any angle.
+    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out.
+    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached, demand: Demand) {
         let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
         let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
-        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
-        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
-        self.enqueue(&found);
+        found.segments.append(&mut found.lost_segments);
+        found.facets.append(&mut found.lost_facets);
+        let (edges, faces) = (std::mem::take(&mut found.segments), std::mem::take(&mut found.facets));
+        for edge in edges {
+            if !is_edge(edge) {
+                self.missing_segments.push_back(edge);
+            } else if self.vertex_encroaches_segment(t, edge, v) {
+                found.segments.push(edge);
+            }
+        }
+        for face in faces {
+            if !is_face(face) {
+                self.missing_facets.push_back(face);
+            } else if self.vertex_encroaches_facet(t, face, v) {
+                found.facets.push(face);
+            }
+        }
+        self.enqueue(&found, demand);
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
     fn vertex_encroaches_segment(&self, t: &Triangulation, edge: [u32; 2], v: u32) -> bool {
-        if v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
+        if self.recovering || v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
             return false;
         }
         let Some(&segment) = self.subsegments.get(&edge_key(edge)) else { return false };
@@ -262,46 +358,42 @@ impl Boundary {
     /// Whether a vertex, or the ghost, encroaches upon a subfacet.
     fn vertex_encroaches_facet(&self, t: &Triangulation, face: [u32; 3], v: u32) -> bool {
         let corners = face.map(|v| t.at(v));
-        if v == GHOST || !encroaches_facet(corners, t.at(v)) {
+        if self.recovering || v == GHOST || !encroaches_facet(corners, t.at(v)) {
             return false;
         }
         let Some(&facet) = self.subfacets.get(&face_key(face)) else { return false };
         self.may_encroach(t, v, Carrier::Facet(facet), (corners[0] + corners[1] + corners[2]) / 3.0)
     }
 
-    fn waits_segment(&self, edge: [u32; 2]) -> bool {
-        self.subsegments.contains_key(&edge) && !self.blocked_segments.contains(&edge)
-    }
-
-    fn waits_facet(&self, face: [u32; 3]) -> bool {
-        self.subfacets.contains_key(&face) && !self.blocked_facets.contains(&face)
-    }
-
     /// The next subsegment to split.
     pub(crate) fn next_pending_segment(&self) -> Option<[u32; 2]> {
-        self.pending_segments.iter().copied().find(|&edge| self.waits_segment(edge))
+        self.pending_segments
+            .iter()
+            .copied()
+            .find(|&(edge, demand)| self.waits_segment(edge, demand))
+            .map(|(edge, _)| edge)
     }
 
     /// The next subfacet to split.
     pub(crate) fn next_pending_facet(&self) -> Option<[u32; 3]> {
-        self.pending_facets.iter().copied().find(|&face| self.waits_facet(face))
+        self.pending_facets.iter().copied().find(|&(face, demand)| self.waits_facet(face, demand)).map(|(face, _)| face)
     }
 
     /// Takes the next subsegment to split off its queue.
-    pub(crate) fn pop_segment(&mut self) -> Option<[u32; 2]> {
-        while let Some(edge) = self.pending_segments.pop_front() {
-            if self.waits_segment(edge) {
-                return Some(edge);
+    pub(crate) fn pop_segment(&mut self) -> Option<([u32; 2], Demand)> {
+        while let Some((edge, demand)) = self.pending_segments.pop_front() {
+            if self.waits_segment(edge, demand) {
+                return Some((edge, demand));
             }
         }
         None
     }
 
     /// Takes the next subfacet to split off its queue.
-    pub(crate) fn pop_facet(&mut self) -> Option<[u32; 3]> {
-        while let Some(face) = self.pending_facets.pop_front() {
-            if self.waits_facet(face) {
-                return Some(face);
+    pub(crate) fn pop_facet(&mut self) -> Option<([u32; 3], Demand)> {
+        while let Some((face, demand)) = self.pending_facets.pop_front() {
+            if self.waits_facet(face, demand) {
+                return Some((face, demand));
             }
         }
         None
@@ -309,11 +401,11 @@ impl Boundary {
 
     /// Takes entries that need no split any more off the front of the queues.
     pub(crate) fn drop_stale(&mut self) {
-        if let Some(edge) = self.pop_segment() {
-            self.pending_segments.push_front(edge);
+        if let Some(entry) = self.pop_segment() {
+            self.pending_segments.push_front(entry);
         }
-        if let Some(face) = self.pop_facet() {
-            self.pending_facets.push_front(face);
+        if let Some(entry) = self.pop_facet() {
+            self.pending_facets.push_front(entry);
         }
     }
 
@@ -330,51 +422,90 @@ impl Boundary {
 
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued.
     pub(crate) fn unblock(&mut self, t: &Triangulation) {
-        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().collect();
-        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().collect();
+        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().map(|(edge, _)| edge).collect();
+        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().map(|(face, _)| face).collect();
         segments.sort_unstable();
         facets.sort_unstable();
-        segments.retain(|&edge| self.waits_segment(edge) && self.needs_split_segment(t, edge));
-        facets.retain(|&face| self.waits_facet(face) && self.needs_split_facet(t, face));
-        self.pending_segments.extend(segments);
-        self.pending_facets.extend(facets);
+        let encroached = State::Encroached;
+        segments.retain(|e| self.subsegments.contains_key(e) && self.state_of_segment(t, *e) == encroached);
+        facets.retain(|f| self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
+        self.enqueue_first(t, segments, facets);
     }
 
-    /// Takes out what can't be split any more.
-    pub(crate) fn drop_blocked(&self, found: &mut Encroached) {
-        found.segments.retain(|s| !self.blocked_segments.contains(s));
-        found.facets.retain(|f| !self.blocked_facets.contains(f));
+    /// Takes out what can't be split as demanded.
+    pub(crate) fn drop_blocked(&self, found: &mut Encroached, demand: Demand) {
+        found.segments.retain(|&s| self.waits_segment(s, demand));
+        found.facets.retain(|&f| self.waits_facet(f, demand));
     }
 
-    /// Queues every subsegment and subfacet that is missing from the triangulation or encroached by a vertex.
+    /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation.
     pub(crate) fn enqueue_all(&mut self, t: &Triangulation) {
+        let (mut segments, mut facets) = (Vec::new(), Vec::new());
         for (edge, _) in self.subsegments() {
-            if self.needs_split_segment(t, edge) {
-                self.pending_segments.push_back(edge);
+            match self.state_of_segment(t, edge) {
+                State::Missing => self.missing_segments.push_back(edge),
+                State::Encroached => segments.push(edge),
+                State::Clear => {}
             }
         }
         for (face, _) in self.subfacets() {
-            if self.needs_split_facet(t, face) {
-                self.pending_facets.push_back(face);
+            match self.state_of_facet(t, face) {
+                State::Missing => self.missing_facets.push_back(face),
+                State::Encroached => facets.push(face),
+                State::Clear => {}
             }
         }
+        self.enqueue_first(t, segments, facets);
     }
 
-    /// Whether a subsegment is missing or encroached. If any vertex lies in the diametral ball of an edge, one of its link does.
-    fn needs_split_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> bool {
-        match t.topology.find_edge(a, b) {
-            None => true,
-            Some((tet, i, j)) => t
-                .topology
-                .around_edge(tet, i, j)
-                .any(|(around, k, _)| self.vertex_encroaches_segment(t, [a, b], t.topology.tet(around).v[k])),
+    /// Queues elements that no other split has brought about. Of these it is demanded that their splits stay within a fraction of the element.
+    fn enqueue_first(&mut self, t: &Triangulation, segments: Vec<[u32; 2]>, facets: Vec<[u32; 3]>) {
+        let demand = |shortest: f64| Demand::of(shortest * FIRST_SPLITS).following();
+        let length = |a: u32, b: u32| t.at(a).distance(t.at(b));
+        let shortest = |[a, b, c]: [u32; 3]| length(a, b).min(length(b, c)).min(length(c, a));
+        self.pending_segments.extend(segments.into_iter().map(|[a, b]| ([a, b], demand(length(a, b)))));
+        self.pending_facets.extend(facets.into_iter().map(|face| (face, demand(shortest(face)))));
+    }
+
+    /// Takes the next subsegment that is missing off its queue.
+    pub(crate) fn pop_missing_segment(&mut self, t: &Triangulation) -> Option<[u32; 2]> {
+        while let Some([a, b]) = self.missing_segments.pop_front() {
+            if self.subsegments.contains_key(&[a, b]) && t.topology.find_edge(a, b).is_none() {
+                return Some([a, b]);
+            }
         }
+        None
     }
 
-    /// Whether a subfacet is missing or encroached. If any vertex lies in its smallest ball, one of its two apices does.
-    fn needs_split_facet(&self, t: &Triangulation, face: [u32; 3]) -> bool {
+    /// Takes the next subfacet that is missing off its queue.
+    pub(crate) fn pop_missing_facet(&mut self, t: &Triangulation) -> Option<[u32; 3]> {
+        while let Some(face) = self.missing_facets.pop_front() {
+            if self.subfacets.contains_key(&face) && t.topology.find_face(face).is_none() {
+                return Some(face);
+            }
+        }
+        None
+    }
+
+    /// Whether an element may be missing.
+    pub(crate) fn misses(&self) -> bool {
+        !(self.missing_segments.is_empty() && self.missing_facets.is_empty())
+    }
+
+    /// If any vertex lies in the diametral ball of an edge, one of its link does.
+    fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> State {
+        let Some((tet, i, j)) = t.topology.find_edge(a, b) else { return State::Missing };
+        let mut link = t.topology.around_edge(tet, i, j).map(|(around, k, _)| t.topology.tet(around).v[k]);
+        State::of(link.any(|v| self.vertex_encroaches_segment(t, [a, b], v)))
+    }
+
+    /// If any vertex lies in the smallest ball of a face, one of its two apices does.
+    fn state_of_facet(&self, t: &Triangulation, face: [u32; 3]) -> State {
         let mut apices = t.face_apices(face).peekable();
-        apices.peek().is_none() || apices.any(|v| self.vertex_encroaches_facet(t, face, v))
+        if apices.peek().is_none() {
+            return State::Missing;
+        }
+        State::of(apices.any(|v| self.vertex_encroaches_facet(t, face, v)))
     }
 
     /// Queues those of the elements at vertex `new` that are missing or encroached; `star` are the tetrahedra at it.
@@ -385,6 +516,7 @@ impl Boundary {
         star: &[u32],
         segments: &[[u32; 2]],
         facets: &[[u32; 3]],
+        demand: Demand,
     ) {
         // What encroaches upon an element at `new`, or that it is missing, shows in the star.
         let other = |vertices: &[u32], tet: u32| {
@@ -397,14 +529,18 @@ impl Boundary {
         for &edge in segments {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
-                self.pending_segments.push_back(edge_key(edge));
+            if around.is_empty() {
+                self.missing_segments.push_back(edge_key(edge));
+            } else if around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
+                self.pending_segments.push_back((edge_key(edge), demand));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
-                self.pending_facets.push_back(face_key(face));
+            if around.is_empty() {
+                self.missing_facets.push_back(face_key(face));
+            } else if around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
+                self.pending_facets.push_back((face_key(face), demand));
             }
         }
     }

@@ -160,6 +160,28 @@ impl FacetTriangulation {
         [[a, b], [b, a]].into_iter().filter_map(|[a, b]| self.apex.get(&[a, b]).map(|&c| [a, b, c]))
     }
 
+    /// The triangle that holds the point `p`, by a walk from `start` that crosses no fixed edge; `None` when there is one between.
+    pub fn locate_from(
+        &self,
+        start: [u32; 3],
+        p: DVec3,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+    ) -> Option<[u32; 3]> {
+        let at = |v: u32| points[v as usize];
+        let mut triangle = self.triangle(start)?;
+        // Rounding could make the walk go round in circles.
+        for _ in 0..self.apex.len() + 1 {
+            let beyond = |&([a, b], _): &([u32; 2], u32)| orient2d(self.axis, at(a), at(b), p) == Sign::Negative;
+            let Some(([a, b], _)) = sides(triangle).into_iter().find(beyond) else { return Some(triangle) };
+            if fixed([a, b]) {
+                return None;
+            }
+            triangle = [b, a, *self.apex.get(&[b, a])?];
+        }
+        None
+    }
+
     fn in_circle(&self, filter: &Filter, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
         let at = |v: u32| points[v as usize];
         in_conflict(filter, [at(a), at(b), at(c), self.above], p)
@@ -177,6 +199,21 @@ impl FacetTriangulation {
     /// the same, but not where rounding decides about cocircular points.
     pub fn insert(
         &mut self,
+        new: u32,
+        start: &[[u32; 3]],
+        split: Option<[u32; 2]>,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+        in_space: impl Fn([u32; 3]) -> InSpace,
+    ) -> Option<FacetChange> {
+        let change = self.plan(new, start, split, points, fixed, in_space)?;
+        self.apply(&change, points[new as usize]);
+        Some(change)
+    }
+
+    /// What [`insert`](Self::insert) would change.
+    pub fn plan(
+        &self,
         new: u32,
         start: &[[u32; 3]],
         split: Option<[u32; 2]>,
@@ -229,15 +266,19 @@ impl FacetTriangulation {
                 Some(_) => return None,
             }
         };
-        self.filter = filter;
-        for &t in &removed {
+        let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
+        Some(FacetChange { removed, created })
+    }
+
+    /// Does what was [planned](Self::plan) for a vertex at `p`.
+    pub fn apply(&mut self, change: &FacetChange, p: DVec3) {
+        self.filter.extend(p);
+        for &t in &change.removed {
             self.remove(t);
         }
-        let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
-        for &t in &created {
+        for &t in &change.created {
             self.add(t);
         }
-        Some(FacetChange { removed, created })
     }
 
     /// What the triangulation would be without some of its vertices. `around` are vertices among which all their neighbours are, `joined` the

@@ -2,8 +2,8 @@
 
 use super::boundary::Boundary;
 use super::plc::PlcRegion;
-use crate::triangulation::topology::tet_of;
-use crate::triangulation::{Location, Triangulation};
+use crate::triangulation::topology::{slot_of, tet_of};
+use crate::triangulation::{Defect, Location, Triangulation};
 use crate::DVec3;
 
 /// The label of tetrahedra outside the domain, ghosts included.
@@ -13,7 +13,7 @@ pub const INSIDE: u16 = 1;
 
 impl Boundary {
     /// Labels all tetrahedra. The subfacets must all be faces of the triangulation.
-    pub(crate) fn label(&self, t: &mut Triangulation, holes: &[DVec3], regions: &[PlcRegion]) {
+    pub(crate) fn label(&mut self, t: &mut Triangulation, holes: &[DVec3], regions: &[PlcRegion]) {
         const UNKNOWN: u16 = u16::MAX;
         let mut labels = vec![UNKNOWN; t.topology.tets.len()];
         let mut flood = |seeds: Vec<u32>, label: u16| {
@@ -45,6 +45,22 @@ impl Boundary {
             }
         }
         t.topology.region = labels;
+        let label = |face: u32| t.topology.region[tet_of(face) as usize];
+        self.parts_labels = self.subfacets.keys().all(|&face| {
+            t.topology.find_face(face).is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
+        });
+    }
+
+    /// The first face that parts two labels and is no subfacet.
+    pub(crate) fn first_leak(&self, t: &Triangulation) -> Option<Defect> {
+        let label = |tet: u32| t.topology.region.get(tet as usize);
+        t.topology.live().find_map(|tet| {
+            let tetrahedron = t.topology.tet(tet);
+            let leaks = |&slot: &usize| {
+                label(tet) != label(tet_of(tetrahedron.n[slot])) && !self.is_subfacet(tetrahedron.face(slot))
+            };
+            (0..4).find(leaks).map(|slot| Defect::LabelLeak { face: tetrahedron.face(slot) })
+        })
     }
 }
 

@@ -3,12 +3,18 @@
 //! | module | idea |
 //! |---|---|
 //! | [`plc`] | the complex as the caller describes it |
+//! | [`check`] | every defect of a complex |
 //! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
+//! | `join` | coplanar facets joined |
+//! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
 //! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
+//! | `protect` | where subfacets are split near them |
+//! | [`pending`] | what is demanded of a split |
+//! | `guard` | which splits would take out what they must not |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
@@ -18,13 +24,21 @@
 pub(crate) mod acute;
 pub mod boundary;
 mod build;
+pub mod check;
 pub mod facet;
+mod guard;
+mod join;
 pub(crate) mod label;
+pub mod pending;
+pub(crate) mod planar;
 pub mod plc;
+pub(crate) mod protect;
 mod sector;
 mod split;
+#[cfg(test)]
+mod tests;
 mod unsplit;
 
-pub(crate) use acute::Carrier;
+pub use acute::Carrier;
 pub use boundary::Boundary;
 pub(crate) use unsplit::Unsplit;

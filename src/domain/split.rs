@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::acute::Carrier;
-use super::boundary::{edge_key, face_key, Boundary, ACUTE, ON_FACET, ON_SEGMENT};
+use super::boundary::{edge_key, face_key, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
 use super::facet::{FacetChange, InSpace};
+use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
@@ -13,13 +14,18 @@ impl Boundary {
     /// Where to split a subsegment.
     pub(crate) fn split_point(&self, t: &Triangulation, [a, b]: [u32; 2]) -> DVec3 {
         let acute = |v: u32| self.kind(v) & ACUTE != 0;
-        super::acute::split_point([t.at(a), t.at(b)], [acute(a), acute(b)])
+        // Around the sharper of two corners more depends on it.
+        let acute = match (acute(a), acute(b)) {
+            (true, true) => [self.sharpness(a) > self.sharpness(b), self.sharpness(a) < self.sharpness(b)],
+            (at_a, at_b) => [at_a, at_b],
+        };
+        super::acute::split_point([t.at(a), t.at(b)], acute)
     }
 
-    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulations at subsegment `edge`, which it splits.
-    /// `cavity` is that of `p`.
-    pub(crate) fn insert_on_segment(
-        &mut self,
+    /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulations at subsegment `edge`,
+    /// which it splits. `cavity` is that of `p`.
+    pub(crate) fn plan_on_segment(
+        &self,
         t: &mut Triangulation,
         cavity: &Cavity,
         edge: [u32; 2],
@@ -32,20 +38,27 @@ impl Boundary {
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
         let mut changes = Vec::new();
         for &facet in &self.segments[segment as usize].facets {
-            let planar = &mut self.facets[facet as usize];
+            let planar = &self.facets[facet as usize];
             let start: Vec<[u32; 3]> = planar.at_edge(key).collect();
             // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
             // which are found missing and split in their turn.
             let change = t.with_point(new, p, |t| {
-                planar.insert(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
+                planar.plan(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
             });
             changes.extend(change.map(|change| (facet, change)));
         }
         changes
     }
 
+    /// Does what was planned for a vertex at `p`.
+    pub(crate) fn apply(&mut self, changes: &[(u32, FacetChange)], p: DVec3) {
+        for (facet, change) in changes {
+            self.facets[*facet as usize].apply(change, p);
+        }
+    }
+
     /// Replaces subsegment `edge` by its two parts at vertex `new`, takes over what
-    /// [`insert_on_segment`](Self::insert_on_segment) changed, and queues what of the new elements is missing or encroached.
+    /// [`plan_on_segment`](Self::plan_on_segment) planned, and queues what of the new elements is missing or encroached.
     /// `star` are the tetrahedra at `new`.
     pub(crate) fn segment_changed(
         &mut self,
@@ -54,6 +67,7 @@ impl Boundary {
         new: u32,
         changes: &[(u32, FacetChange)],
         star: &[u32],
+        demand: Demand,
     ) {
         let key = edge_key(edge);
         let Some(segment) = self.subsegments.remove(&key) else { return };
@@ -61,18 +75,19 @@ impl Boundary {
         for part in parts {
             self.subsegments.entry(part).or_insert(segment);
         }
-        self.mark(new, ON_SEGMENT);
+        let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
+        self.mark(new, ON_SEGMENT | if sharp { SHARP } else { 0 });
         self.carry(new, Carrier::Segment(segment));
-        self.enqueue_new(t, new, star, &parts, &[]);
+        self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {
-            self.facet_changed(t, new, *facet, change, star);
+            self.facet_changed(t, new, *facet, change, star, demand);
         }
     }
 
-    /// Inserts the vertex `new` at `p`, which is not in the triangulation yet, into the planar triangulation of subfacet `face`. `None` when it
-    /// can't be. `cavity` is that of `p`.
-    pub(crate) fn insert_on_facet(
-        &mut self,
+    /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
+    /// when it can't be inserted. `cavity` is that of `p`.
+    pub(crate) fn plan_on_facet(
+        &self,
         t: &mut Triangulation,
         cavity: &Cavity,
         face: [u32; 3],
@@ -80,11 +95,11 @@ impl Boundary {
         p: DVec3,
     ) -> Option<(u32, FacetChange)> {
         let facet = *self.subfacets.get(&face_key(face))?;
-        let planar = &mut self.facets[facet as usize];
+        let planar = &self.facets[facet as usize];
         let start = planar.triangle(face)?;
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(new, p, |t| planar.insert(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
+        t.with_point(new, p, |t| planar.plan(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
             .map(|change| (facet, change))
     }
 
@@ -96,10 +111,35 @@ impl Boundary {
         facet: u32,
         change: &FacetChange,
         star: &[u32],
+        demand: Demand,
     ) {
         self.replace_subfacets(facet, new, change);
-        self.enqueue_new(t, new, star, &[], &change.created);
+        self.enqueue_new(t, new, star, &[], &change.created, demand);
         t.relabel_flat(new, &change.removed, star);
+    }
+
+    /// How the vertex stands on the boundary, and what subsegment a split at it goes through.
+    pub(crate) fn standing(&self, vertex: u32, edge: Option<[u32; 2]>) -> Standing {
+        let known = |edge: [u32; 2]| self.subsegments.get(&edge_key(edge)).map(|&segment| (edge_key(edge), segment));
+        Standing { kind: self.kind(vertex), carrier: self.carrier(vertex), edge: edge.and_then(known) }
+    }
+
+    /// Takes a split at a vertex back. The triangulation in space does not matter.
+    pub(crate) fn take_back(&mut self, vertex: u32, before: &Standing, changes: Vec<(u32, FacetChange)>) {
+        for (facet, change) in changes.into_iter().rev() {
+            self.exchange(facet, &FacetChange { removed: change.created, created: change.removed });
+        }
+        if let Some((edge, segment)) = before.edge {
+            for end in edge {
+                self.subsegments.remove(&edge_key([end, vertex]));
+            }
+            self.subsegments.insert(edge, segment);
+        }
+        self.unmark(vertex);
+        if before.kind != 0 {
+            self.mark(vertex, before.kind);
+            self.carry(vertex, before.carrier);
+        }
     }
 
     fn replace_subfacets(&mut self, facet: u32, new: u32, change: &FacetChange) {

@@ -245,7 +245,7 @@ impl Boundary {
         journal.planar.push((facet, change));
     }
 
-    fn exchange(&mut self, facet: u32, change: &FacetChange) {
+    pub(super) fn exchange(&mut self, facet: u32, change: &FacetChange) {
         self.facets[facet as usize].exchange(change);
         self.exchange_faces(facet, change);
     }
@@ -284,12 +284,15 @@ impl Boundary {
         let face = |face: [u32; 3]| face_key(face.map(renamed));
         self.subsegments = self.subsegments.drain().map(|(key, segment)| (edge(key), segment)).collect();
         self.subfacets = self.subfacets.drain().map(|(key, facet)| (face(key), facet)).collect();
-        self.pending_segments.retain(|key| !key.iter().any(gone));
-        self.pending_facets.retain(|key| !key.iter().any(gone));
-        self.pending_segments.iter_mut().for_each(|key| *key = edge(*key));
-        self.pending_facets.iter_mut().for_each(|key| *key = face(*key));
-        self.blocked_segments = self.blocked_segments.drain().filter(|key| !key.iter().any(gone)).map(edge).collect();
-        self.blocked_facets = self.blocked_facets.drain().filter(|key| !key.iter().any(gone)).map(face).collect();
+        self.pending_segments.retain(|(key, _)| !key.iter().any(gone));
+        self.pending_facets.retain(|(key, _)| !key.iter().any(gone));
+        self.pending_segments.iter_mut().for_each(|(key, _)| *key = edge(*key));
+        self.pending_facets.iter_mut().for_each(|(key, _)| *key = face(*key));
+        let (segments, facets) = (std::mem::take(&mut self.blocked_segments), std::mem::take(&mut self.blocked_facets));
+        let (segments, facets) = (segments.into_iter(), facets.into_iter());
+        self.blocked_segments =
+            segments.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (edge(k), reach)).collect();
+        self.blocked_facets = facets.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (face(k), reach)).collect();
     }
 
     /// Takes a change of the boundary back.

@@ -3,12 +3,16 @@
 //! | module | idea |
 //! |---|---|
 //! | `refiner` | the loop, and rule 3 |
+//! | [`sizing`] | how large tetrahedra may be |
 //! | `split` | rules 1 and 2 |
+//! | `restore` | recovery of what is missing; each split a transaction |
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
 pub(crate) mod queue;
 pub(crate) mod refiner;
+pub(crate) mod restore;
+pub mod sizing;
 pub(crate) mod split;
 pub mod step;
 
@@ -31,6 +35,9 @@ pub struct RefineOptions {
     /// How hard to try to do with fewer Steiner points; `None` stands for [`Sparsify::Quick`] with [`Rule::Sparse`], for [`Sparsify::Off`] with the
     /// others.
     pub sparsify: Option<Sparsify>,
+    /// Leaves segments and facets as they are: no Steiner point is put on them. Tetrahedra that could only be mended so are left and counted. What the
+    /// domain's recovery had to add when the mesh was made remains.
+    pub keep_boundary: bool,
 }
 
 impl Default for RefineOptions {
@@ -41,6 +48,7 @@ impl Default for RefineOptions {
             max_vertices: 100_000_000,
             min_edge: 0.0,
             sparsify: None,
+            keep_boundary: false,
         }
     }
 }
@@ -82,9 +90,42 @@ pub enum RefineStatus {
     Cancelled,
     /// The vertex limit was reached. The mesh is valid.
     VertexLimit,
-    /// Some tetrahedra are left bad: mending them would need an edge below the minimum length, or their shortest edge spans an input angle of
-    /// less than 60°.
+    /// Some tetrahedra are left bad, for the reasons that the report counts.
     Unrefined,
+}
+
+/// Why a tetrahedron is over the bound after a refinement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Unrefined {
+    /// Its shortest edge spans an input angle of less than 60°: the input gives the edge's length.
+    SmallAngle,
+    /// Its Steiner points would encroach upon segments or facets that can't be split: because of small input angles nearby, or because the boundary
+    /// is to be [kept](RefineOptions::keep_boundary).
+    Boundary,
+    /// Mending it would need an edge below the minimum length.
+    MinEdge,
+    /// A vertex limit or a cancellation came first.
+    Limit,
+    /// Rounding left no place for a Steiner point.
+    Rounding,
+}
+
+impl Unrefined {
+    /// All reasons, in the order of [`RefineReport::unrefined`].
+    pub const ALL: [Unrefined; 5] =
+        [Unrefined::SmallAngle, Unrefined::Boundary, Unrefined::MinEdge, Unrefined::Limit, Unrefined::Rounding];
+
+    /// A short name in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unrefined::SmallAngle => "small_angle",
+            Unrefined::Boundary => "boundary",
+            Unrefined::MinEdge => "min_edge",
+            Unrefined::Limit => "limit",
+            Unrefined::Rounding => "rounding",
+        }
+    }
 }
 
 /// What a refinement did, and the mesh's quality after it.
@@ -112,8 +153,10 @@ pub struct RefineReport {
     pub replaced: usize,
     /// Tetrahedra of the domain over the bound (exact).
     pub bad: usize,
-    /// Those of them whose shortest edge spans an input angle of less than 60°: the input doesn't let them be mended.
-    pub bad_at_small_angles: usize,
+    /// How many of them are left for each reason, in the order of [`Unrefined::ALL`]; their sum is `bad`.
+    pub unrefined: [usize; Unrefined::ALL.len()],
+    /// Tetrahedra of the domain that are larger than was asked for.
+    pub too_large: usize,
     /// The largest radius-edge ratio in the domain, 0 without tetrahedra.
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.

@@ -5,17 +5,24 @@
 //! the boundary element is split, and the tetrahedron, if it still exists, comes again.
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::queue::{shortest_edge, Queue};
+use super::restore::{Element, Record};
+use super::sizing::Sizes;
 use super::split::Split;
-use super::{RefineOptions, RefineStatus};
-use crate::domain::boundary::{Boundary, Encroached};
+use super::{RefineOptions, RefineStatus, Unrefined};
+use crate::domain::boundary::{face_key, Boundary, Encroached};
+use crate::domain::pending::Demand;
+use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
-use crate::geometry::quality::four_exceed_radius_edge;
+use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
 use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
+use crate::triangulation::remove::Hole;
+use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
 
@@ -28,15 +35,15 @@ pub enum Placed {
     Spared,
     /// It would encroach upon boundary elements, which have been queued.
     Encroaches,
-    /// It would make an edge shorter than the limit, or encroaches upon elements that can't be split.
-    Refused,
+    /// It was not inserted, for this reason.
+    Refused(Unrefined),
 }
 
 /// One refinement under way.
 pub struct Refiner<'a> {
-    pub(super) t: &'a mut Triangulation,
-    pub(super) boundary: &'a mut Boundary,
-    radius_edge: f64,
+    pub(crate) t: &'a mut Triangulation,
+    pub(crate) boundary: &'a mut Boundary,
+    pub(super) radius_edge: f64,
     rule: Rule,
     max_vertices: usize,
     pub min_edge: f64,
@@ -47,15 +54,26 @@ pub struct Refiner<'a> {
     created: Vec<u32>,
     pub(super) cavity: Cavity,
     pub(super) encroached: Encroached,
-    queue: Queue,
+    pub(super) queue: Queue,
     facet: VoronoiFacet,
     arcs: Vec<Arc>,
     link: Vec<u32>,
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
     watching: bool,
-    refused: bool,
+    /// Why tetrahedra were left as they are; some of them may have gone since.
+    pub reasons: FxHashMap<[u32; 4], Unrefined>,
+    /// What is demanded of the splits that the tetrahedron in hand asks for.
+    pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
     progress: f64,
+    /// The splits of the transaction under way.
+    pub(super) records: Vec<Record>,
+    /// Scratch: what opens when one is taken back.
+    pub(super) hole: Hole,
+    /// What is asked for of the size of tetrahedra.
+    pub sizes: Option<Sizes<'a>>,
+    /// Samples may be in the balls of boundary elements, but split none.
+    spare_boundary: bool,
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
@@ -85,24 +103,16 @@ impl<'a> Refiner<'a> {
             arcs: Vec::new(),
             link: Vec::new(),
             watching: false,
-            refused: false,
+            reasons: FxHashMap::default(),
+            demand: Demand::NONE,
             progress: 0.0,
+            records: Vec::new(),
+            hole: Hole::default(),
+            sizes: None,
+            spare_boundary: false,
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
-        }
-    }
-
-    /// Rules 1 and 2 until nothing is missing or encroached. The status is [`RefineStatus::Done`] unless a limit stopped it.
-    pub fn recover(&mut self, control: &Control) -> Result<RefineStatus, Error> {
-        let mut turns = 0usize;
-        loop {
-            if let Some(status) = self.limit(&mut turns, "boundary", control) {
-                return Ok(status);
-            }
-            if !self.boundary_step()? {
-                return Ok(RefineStatus::Done);
-            }
         }
     }
 
@@ -110,10 +120,14 @@ impl<'a> Refiner<'a> {
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
         self.boundary.unblock(self.t);
+        let all: Vec<u32> = self.t.topology.finite().collect();
         if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
-        watch(self.t, &mut self.queue, self.radius_edge, self.t.topology.finite());
+        watch(self.t, &mut self.queue, self.radius_edge, all.iter().copied());
+        for some in all.chunks(4096) {
+            self.watch_size(some);
+        }
         let mut turns = 0usize;
         loop {
             if let Some(status) = self.limit(&mut turns, "refine", control) {
@@ -125,12 +139,15 @@ impl<'a> Refiner<'a> {
             let Some(t) = self.queue.pop(self.t) else { break };
             self.mend(t)?;
         }
-        Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
+        Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
     }
 
-    fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
+    pub(super) fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
         let vertices = self.t.vertex_count();
-        let open = self.queue.len() + self.boundary.pending_segments.len() + self.boundary.pending_facets.len();
+        let boundary = &*self.boundary;
+        let waiting = boundary.pending_segments.len() + boundary.pending_facets.len();
+        let missing = boundary.missing_segments.len() + boundary.missing_facets.len();
+        let open = self.queue.len() + waiting + missing;
         let go_on = if *turns % REPORT_INTERVAL == 0 {
             self.progress = self.progress.max(vertices as f64 / (vertices + open) as f64);
             control.report(stage, self.progress, vertices)
@@ -147,29 +164,44 @@ impl<'a> Refiner<'a> {
 
     /// Splits one boundary element if any waits. Returns false when none does.
     pub fn boundary_step(&mut self) -> Result<bool, Error> {
-        if let Some(edge) = self.boundary.pop_segment() {
-            self.split_segment(edge)?;
+        if let Some((edge, demand)) = self.boundary.pop_segment() {
+            self.transact(Element::Segment(edge), demand)?;
             return Ok(true);
         }
-        if let Some(face) = self.boundary.pop_facet() {
-            let split = self.split_facet(face)?;
-            debug_assert!(split != Split::Deferred || !self.boundary.pending_segments.is_empty());
-            return Ok(true);
+        let Some((face, demand)) = self.boundary.pop_facet() else { return Ok(false) };
+        self.split_facet_in_turn(face, demand)?;
+        Ok(true)
+    }
+
+    /// Splits a subfacet, or queues what must be split before it.
+    pub fn split_facet_in_turn(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
+        let split = self.transact(Element::Facet(face), demand)?;
+        if let Split::After(segments) = &split {
+            self.boundary.pending_segments.extend(segments.iter().map(|&edge| (edge, demand)));
+            self.boundary.pending_facets.push_front((face_key(face), demand));
         }
-        Ok(false)
+        Ok(split)
     }
 
     /// One step for a bad tetrahedron: samples its shortest edge.
     fn mend(&mut self, tet: u32) -> Result<(), Error> {
         let v = self.t.topology.tet(tet).v;
         let ([i, j], length2) = shortest_edge(self.t, tet);
-        if self.boundary.is_seditious(self.t, [v[i], v[j]]) {
-            self.refused = true;
-            return Ok(());
+        let bad = self.sizes.is_none() || exceeds_radius_edge(self.t.corners(tet), self.radius_edge);
+        // Splits of the boundary would lead to such an edge again, only smaller.
+        let seditious = bad && self.boundary.is_seditious(self.t, [v[i], v[j]]);
+        self.spare_boundary = seditious;
+        // What a split can keep to where input angles are not small, less a little for rounding.
+        self.demand = Demand::of(0.499 * self.radius_edge * length2.sqrt());
+        if !bad {
+            let corners = self.t.corners(tet);
+            let [a, b, c, d] = corners;
+            self.demand = Demand::of(0.125 * circumcenter(a, b, c, d).distance(a));
         }
-        let samples = self.sample(tet, [i, j]);
+        let samples = if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
         let mut placed_any = false;
         self.edge = length2.sqrt();
+        let mut reason = Unrefined::Rounding;
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
                 break;
@@ -183,14 +215,14 @@ impl<'a> Refiner<'a> {
                     placed_any = true;
                     break;
                 }
-                Placed::Refused => {}
+                Placed::Refused(why) => reason = why,
             }
         }
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
                 self.queue.push(self.t, tet, length2);
             } else {
-                self.refused = true;
+                self.refuse(v, if seditious { Unrefined::SmallAngle } else { reason });
             }
         }
         Ok(())
@@ -209,6 +241,11 @@ impl<'a> Refiner<'a> {
         let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
         watch(t, &mut self.queue, self.radius_edge, live);
         Ok(true)
+    }
+
+    /// Leaves a tetrahedron as it is.
+    fn refuse(&mut self, v: [u32; 4], reason: Unrefined) {
+        self.reasons.insert(v, reason);
     }
 
     /// The samples for a bad tetrahedron.
@@ -237,27 +274,38 @@ impl<'a> Refiner<'a> {
         let start = if self.t.topology.tet(near).is_live() { near } else { self.t.recent() };
         if crate::geometry::check_range(0, p).is_err() || self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
-            return Ok(Placed::Refused);
+            return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if !self.encroached.is_empty() {
-            self.cavity.clear();
-            self.boundary.drop_blocked(&mut self.encroached);
-            if !self.encroached.segments.is_empty() {
-                self.encroached.facets.clear();
+            let loses = self.boundary.loses(self.t, &self.cavity, &self.encroached);
+            let demand = self.demand;
+            if !(self.boundary.kept || self.spare_boundary) {
+                self.boundary.drop_blocked(&mut self.encroached, demand);
+                if !self.encroached.segments.is_empty() {
+                    self.encroached.facets.clear();
+                }
+                if self.rule == Rule::Sparse {
+                    self.boundary.keep_nearest(self.t, p, &mut self.encroached);
+                }
+                if !(self.encroached.segments.is_empty() && self.encroached.facets.is_empty()) {
+                    self.cavity.clear();
+                    self.boundary.enqueue(&self.encroached, demand);
+                    return Ok(Placed::Encroaches);
+                }
             }
-            if self.rule == Rule::Sparse {
-                self.boundary.keep_nearest(self.t, p, &mut self.encroached);
+            // None of them can be split. The boundary is no worse for a point in the balls of its elements, as long as these stay.
+            if loses {
+                self.cavity.clear();
+                return Ok(Placed::Refused(Unrefined::Boundary));
             }
-            self.boundary.enqueue(&self.encroached);
-            return Ok(if self.encroached.is_empty() { Placed::Refused } else { Placed::Encroaches });
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
         let clearance = self.rim_distance(p);
-        if leaves || clearance < self.min_edge {
+        if leaves || clearance < self.min_edge.max(self.demand.length) {
             self.cavity.clear();
-            return Ok(Placed::Refused);
+            return Ok(Placed::Refused(if leaves { Unrefined::Boundary } else { Unrefined::MinEdge }));
         }
         if self.spare(p, clearance)? {
             return Ok(Placed::Spared);
@@ -276,14 +324,39 @@ impl<'a> Refiner<'a> {
 
     /// Looks at the tetrahedra that the last insertion created.
     pub(super) fn finish(&mut self) {
+        if let (Some(sizes), Some(&first)) = (&mut self.sizes, self.cavity.created.first()) {
+            // The vertex that all of them have is the one just inserted.
+            let of = |c: u32| self.t.topology.tet(c).v;
+            let all = |v: &u32| self.cavity.created.iter().all(|&c| of(c).contains(v));
+            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return };
+            let around: Vec<u32> = self.cavity.created.iter().flat_map(|&c| self.t.topology.tet(c).v).collect();
+            sizes.add_vertex(self.t, new, around.into_iter().filter(|&v| v != new && v != GHOST));
+            if self.watching {
+                let created = std::mem::take(&mut self.cavity.created);
+                self.watch_size(&created);
+                self.cavity.created = created;
+            }
+        }
         if self.watching {
             watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied());
+        }
+    }
+
+    /// Queues those of some tetrahedra that are in the domain and too large.
+    fn watch_size(&mut self, some: &[u32]) {
+        let Some(sizes) = &mut self.sizes else { return };
+        let inside: Vec<u32> = some.iter().copied().filter(|&t| self.t.is_inside(t)).collect();
+        for t in sizes.too_large(self.t, &inside) {
+            // A bad one is queued as such.
+            if !exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
+                self.queue.push(self.t, t, shortest_edge(self.t, t).1);
+            }
         }
     }
 }
 
 /// Queues those tetrahedra that are in the domain and bad.
-fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) {
+pub(super) fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) {
     let mut inside = tets.filter(|&tet| t.is_inside(tet));
     loop {
         let (mut four, mut count) = ([0; 4], 0);

@@ -4,96 +4,148 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use crate::domain::boundary::{edge_key, face_key};
-use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::domain::pending::Demand;
+use crate::domain::protect::FacetSplit;
 use crate::geometry::flush_tiny;
 use crate::Error;
 
+/// The reach of a split that no demand allows.
+pub(super) const NEVER: f64 = -1.0;
+
 /// What became of a boundary element's split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Split {
     /// A vertex was inserted, or one that was there already serves.
     Done(u32),
-    /// Another element has to be split first; it has been queued.
-    Deferred,
+    /// One of these subsegments has to be split first.
+    After(Vec<[u32; 2]>),
     /// The split would make an edge shorter than the limit, or its point can't be placed. The element stays as it is.
     Blocked,
 }
 
 impl Refiner<'_> {
     /// Rule 1: splits a subsegment near its middle.
-    pub(super) fn split_segment(&mut self, edge: [u32; 2]) -> Result<Split, Error> {
+    pub(super) fn split_segment(&mut self, edge: [u32; 2], demand: Demand) -> Result<Split, Error> {
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
-        let start =
-            self.t.topology.find_edge(edge[0], edge[1]).map_or(self.t.topology.vertex_tet[edge[0] as usize], |e| e.0);
+        let found = self.t.topology.find_edge(edge[0], edge[1]);
+        let start = found.map_or(self.t.topology.vertex_tet[edge[0] as usize], |e| e.0);
+        if self.boundary.keeps(found.is_some()) {
+            return Ok(self.block_segment(edge, NEVER));
+        }
         let blocked = p.distance(a).min(p.distance(b)) < self.min_edge;
         match (blocked, self.t.prepare(p, start, &mut self.cavity)) {
             // A vertex that stands just there takes the new one's place, unless it is an end: then the segment is too short to split.
             (false, Err(existing)) if !edge.contains(&existing) => {
                 self.cavity.clear();
                 let p = self.t.at(existing);
-                let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, existing, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
+                self.boundary.apply(&changes, p);
                 let star = self.t.topology.star(existing);
-                self.boundary.segment_changed(self.t, edge, existing, &changes, &star);
+                let before = self.boundary.standing(existing, Some(edge));
+                self.boundary.segment_changed(self.t, edge, existing, &changes, &star, demand.following());
+                self.record(existing, false, before, changes);
                 Ok(Split::Done(existing))
             }
             (false, Ok(())) => {
                 self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
                 let next = self.t.next_vertex();
-                let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
+                if let Some(reach) = self.forbidden(p, &edge, demand) {
+                    return Ok(self.block_segment(edge, reach));
+                }
+                self.boundary.apply(&changes, p);
                 let new = self.insert_prepared(p)?;
-                self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
-                self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
+                let before = self.boundary.standing(new, Some(edge));
+                let after = demand.following();
+                self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
+                self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
                 self.finish();
                 self.segment_splits += 1;
+                self.record(new, true, before, changes);
                 Ok(Split::Done(new))
             }
-            _ => {
-                self.cavity.clear();
-                self.boundary.blocked_segments.insert(edge_key(edge));
-                Ok(Split::Blocked)
-            }
+            _ => Ok(self.block_segment(edge, NEVER)),
         }
     }
 
     /// Rule 2: inserts a subfacet's circumcentre, unless that encroaches upon a subsegment, which then is queued before it.
-    pub(super) fn split_facet(&mut self, face: [u32; 3]) -> Result<Split, Error> {
+    pub(super) fn split_facet(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
+        let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
+            FacetSplit::At(p, triangle) => (flush_tiny(p), triangle),
+            FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
+        };
         let corners = face.map(|v| self.t.at(v));
-        let p = flush_tiny(triangle_circumcenter(corners[0], corners[1], corners[2]));
-        let start = self.t.face_tetrahedron(face).unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
+        let found = self.t.face_tetrahedron(face);
+        let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = !p.is_finite() || corners.iter().any(|c| c.distance(p) < self.min_edge);
-        if too_near || self.t.prepare(p, start, &mut self.cavity).is_err() {
-            return Ok(self.block_facet(face));
+        if too_near || self.boundary.keeps(found.is_some()) || self.t.prepare(p, start, &mut self.cavity).is_err() {
+            return Ok(self.block_facet(face, NEVER));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if self.rim_distance(p) < self.min_edge {
-            return Ok(self.block_facet(face));
+            return Ok(self.block_facet(face, NEVER));
         }
-        let blocked = &self.boundary.blocked_segments;
-        if self.encroached.segments.iter().any(|s| !blocked.contains(s)) {
-            self.encroached.facets.clear();
-            self.boundary.enqueue(&self.encroached);
-            self.boundary.pending_facets.push_front(face_key(face));
-            self.cavity.clear();
-            return Ok(Split::Deferred);
+        let segments: Vec<[u32; 2]> =
+            self.encroached.segments.iter().chain(&self.encroached.lost_segments).copied().collect();
+        if segments.iter().any(|&s| self.boundary.waits_segment(s, demand)) {
+            return Ok(self.after(face, segments, demand));
         }
         // The planar triangulation first: it may refuse the point.
         let new = self.t.next_vertex();
-        let Some((facet, change)) = self.boundary.insert_on_facet(self.t, &self.cavity, face, new, p) else {
-            return Ok(self.block_facet(face));
+        let Some(change) = self.boundary.plan_on_facet(self.t, &self.cavity, start_triangle, new, p) else {
+            return Ok(self.block_facet(face, NEVER));
         };
+        let changes = [change];
+        if let Some(reach) = self.forbidden(p, &face, demand) {
+            return Ok(self.block_facet(face, reach));
+        }
+        self.boundary.apply(&changes, p);
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
-        self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
-        self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
+        let before = self.boundary.standing(new, None);
+        let [(facet, change)] = &changes;
+        let after = demand.following();
+        self.boundary.facet_changed(self.t, new, *facet, change, &self.cavity.created, after);
+        self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
         self.finish();
         self.facet_splits += 1;
+        self.record(new, true, before, changes.into());
         Ok(Split::Done(new))
     }
 
-    fn block_facet(&mut self, face: [u32; 3]) -> Split {
+    /// Tells that subsegments must be split before a subfacet, or gives the subfacet up when none of them can be.
+    fn after(&mut self, face: [u32; 3], mut segments: Vec<[u32; 2]>, demand: Demand) -> Split {
+        segments.retain(|&s| self.boundary.waits_segment(s, demand));
+        if segments.is_empty() {
+            return self.block_facet(face, NEVER);
+        }
         self.cavity.clear();
-        self.boundary.blocked_facets.insert(face_key(face));
+        Split::After(segments)
+    }
+
+    /// Whether a split of an element at the cavity's point `p` misses the demand. Then what a demand must come to for it: the shortest edge that it makes, or
+    /// [`NEVER`].
+    fn forbidden(&self, p: DVec3, corners: &[u32], demand: Demand) -> Option<f64> {
+        if self.boundary.recovering {
+            return None;
+        }
+        let reach = self.rim_distance(p);
+        if reach < self.boundary.needle_floor(self.t, self.boundary.carrier_of(corners), p) {
+            return Some(NEVER);
+        }
+        (reach < self.boundary.demanded(demand, corners)).then_some(reach)
+    }
+
+    pub(super) fn block_segment(&mut self, edge: [u32; 2], reach: f64) -> Split {
+        self.cavity.clear();
+        self.boundary.blocked_segments.insert(edge_key(edge), reach);
+        Split::Blocked
+    }
+
+    pub(super) fn block_facet(&mut self, face: [u32; 3], reach: f64) -> Split {
+        self.cavity.clear();
+        self.boundary.blocked_facets.insert(face_key(face), reach);
         Split::Blocked
     }
 

@@ -3,9 +3,11 @@
 use glam::DVec3;
 
 use super::refiner::{Placed, Refiner};
+use super::restore::Element;
 use super::split::Split;
 use super::{check_radius_edge, RefineOptions};
 use crate::domain::boundary::{edge_key, Encroached};
+use crate::domain::pending::Demand;
 use crate::domain::Boundary;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::quality::exceeds_radius_edge;
@@ -163,7 +165,7 @@ impl Mesh {
                 all.facets.append(&mut found.facets);
             }
         }
-        boundary.drop_blocked(&mut all);
+        boundary.drop_blocked(&mut all, Demand::NONE);
         if all.segments.is_empty() {
             all.facets.sort_unstable();
             all.facets.dedup();
@@ -203,10 +205,14 @@ impl Mesh {
             let vertex = match point.origin {
                 Origin::Sample => match refiner.place(point.position, refiner.t.recent())? {
                     Placed::Inserted(v) => Some(v),
-                    Placed::Spared | Placed::Encroaches | Placed::Refused => None,
+                    Placed::Spared | Placed::Encroaches | Placed::Refused(_) => None,
                 },
-                Origin::Segment(edge) if refiner.boundary.is_subsegment(edge) => done(refiner.split_segment(edge)?),
-                Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => done(refiner.split_facet(face)?),
+                Origin::Segment(edge) if refiner.boundary.is_subsegment(edge) => {
+                    done(refiner.transact(Element::Segment(edge), Demand::NONE)?)
+                }
+                Origin::Subfacet(face) if refiner.boundary.is_subfacet(face) => {
+                    done(refiner.split_facet_in_turn(face, Demand::NONE)?)
+                }
                 _ => None,
             };
             // A split may end at a vertex that was there already.
@@ -220,6 +226,6 @@ impl Mesh {
 fn done(split: Split) -> Option<u32> {
     match split {
         Split::Done(v) => Some(v),
-        Split::Deferred | Split::Blocked => None,
+        Split::After(_) | Split::Blocked => None,
     }
 }

@@ -24,6 +24,8 @@ pub enum Command {
     Refine(Refine),
     /// Make the Delaunay triangulation of a file's points
     Delaunay(Delaunay),
+    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed
+    Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
     /// Write a data set of the paper to standard output as a .poly file
@@ -33,10 +35,14 @@ pub enum Command {
 /// The files of a command that reads one and writes any number.
 #[derive(Debug, Args)]
 pub struct Files {
-    /// A TetGen .poly file (a domain), or points: .node, .xyz
+    /// A domain: .poly, .smesh; its surface: .off, .stl, .ply, .obj; or points: .node, .xyz
     #[arg(value_name = "FILE", value_parser = InputFile::parse)]
     pub input: InputFile,
-    /// Write the mesh: .vtu, or .node and .ele (both are written for either); may be given several times
+    /// Join facets in one plane that share a side, if their normals differ by at most this angle in degrees, or `off`. Default: 0.01 for
+    /// surfaces (.off, .stl, .ply, .obj), off for others. No facet becomes less planar than a facet must be
+    #[arg(long, value_name = "ANGLE", value_parser = parse_angle)]
+    pub join_coplanar: Option<f64>,
+    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times
     #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
     pub outputs: Vec<OutputFile>,
     /// Print the result as one JSON object
@@ -45,6 +51,15 @@ pub struct Files {
     /// Triangulate the points on so many threads, 0 for as many as there are processors; the result is the same in every byte
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1024))]
     pub threads: u32,
+}
+
+/// An angle in degrees from 0 to 90; −1 for `off`.
+fn parse_angle(argument: &str) -> Result<f64, String> {
+    match argument.parse() {
+        _ if argument == "off" => Ok(-1.0),
+        Ok(angle) if (0.0..=90.0).contains(&angle) => Ok(angle),
+        _ => Err("expected degrees from 0 to 90, or off".to_owned()),
+    }
 }
 
 /// Arguments of `refine`.
@@ -64,6 +79,12 @@ pub struct Refine {
     /// Take no Steiner point away again
     #[arg(long, conflicts_with = "sparsify")]
     pub no_sparsify: bool,
+    /// The largest length of a tetrahedron's edge; regions of a .poly file have their largest volumes besides
+    #[arg(long, value_name = "LENGTH")]
+    pub max_edge: Option<f64>,
+    /// Put no Steiner points on segments and facets that are there; what can't be mended so is counted
+    #[arg(long)]
+    pub keep_boundary: bool,
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
@@ -74,6 +95,17 @@ pub struct Refine {
 pub struct Delaunay {
     #[command(flatten)]
     pub files: Files,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The file, as for `refine`
+    #[arg(value_name = "FILE", value_parser = InputFile::parse)]
+    pub input: InputFile,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `table1`.

@@ -49,7 +49,6 @@ impl Failure {
     }
 
     /// The line for standard error.
-    #[cfg(test)]
     pub fn message(&self) -> &str {
         &self.message
     }

@@ -6,11 +6,13 @@
 //! | [`read`] | input files, and naming what is wrong in them |
 //! | [`write`] | output files, whole or not at all |
 //! | [`mesh`] | `refine` and `delaunay` |
+//! | [`check`] | `check`: every defect of a domain |
 //! | [`table`] | `table1`: the paper's table beside ours |
 //! | [`dataset`] | `dataset`: the paper's data sets as recipes |
 //! | [`report`], [`progress`], [`failure`] | what is said on standard output and standard error |
 
 mod args;
+mod check;
 mod dataset;
 mod failure;
 mod mesh;
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Refine(arguments) => mesh::refine(&arguments),
         Command::Delaunay(arguments) => mesh::delaunay(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
         Command::Table1(arguments) => table::table1(&arguments),
         Command::Dataset(arguments) => dataset(&arguments),
     };

@@ -1,11 +1,12 @@
 //! The commands `refine` and `delaunay`: read, mesh, write, report.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 
 use glam::DVec3;
 use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
 use wellspaced::mesh::MeshView;
-use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport};
+use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Sizing, Unrefined};
 
 use crate::args::{Delaunay, Files, Refine};
 use crate::failure::Failure;
@@ -20,6 +21,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
         radius_edge: arguments.radius_edge,
         rule: arguments.rule.into(),
         sparsify: arguments.level(),
+        keep_boundary: arguments.keep_boundary,
         ..RefineOptions::default()
     };
     if let Some(limit) = arguments.max_vertices {
@@ -28,12 +30,15 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     options.check().map_err(Failure::usage)?;
     let files = &arguments.files;
     let mut seconds = Seconds::default();
-    let input = open(files, &mut seconds)?;
+    let mut input = open(files, &mut seconds)?;
+    join(files, &mut input);
     let bar = Bar::new("refine");
-    let refined = refined(&input.content, files.threads as usize, &options, &bar.control(), &mut seconds);
+    let sizing = Sizing { uniform: arguments.max_edge.unwrap_or(0.0), ..Sizing::default() };
+    let threads = files.threads as usize;
+    let refined = refined(&input.content, threads, &options, &sizing, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
     drop(bar);
-    save(files, &mesh, report.input_vertices, &mut seconds)?;
+    save(files, &mesh, report.input_vertices, &input.content, &mut seconds)?;
     print(
         files,
         &Report {
@@ -42,6 +47,8 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
             tetrahedra: report.tetrahedra,
             steiner: report.steiner,
             bad: Some(report.bad),
+            unrefined: Some(reasons(&report)),
+            too_large: Some(report.too_large),
             worst_radius_edge: report.worst_radius_edge,
             min_dihedral_degrees: report.min_dihedral_degrees,
             rule: Some(arguments.rule.name()),
@@ -52,11 +59,31 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     )
 }
 
+/// The angle up to which a surface's coplanar polygons are joined by default.
+const JOIN_DEGREES: f64 = 0.01;
+
+/// Joins coplanar facets, if that is asked for or the kind of file suggests it.
+fn join(files: &Files, input: &mut Input) {
+    let default = if files.input.format.is_surface() { JOIN_DEGREES } else { -1.0 };
+    let degrees = files.join_coplanar.unwrap_or(default);
+    if let (Content::Domain(plc), true) = (&mut input.content, degrees >= 0.0) {
+        let group = plc.join_coplanar(degrees);
+        input.source.join(&group, plc.facets.len());
+    }
+}
+
+/// How many tetrahedra were left for each reason, if any were.
+pub fn reasons(report: &RefineReport) -> BTreeMap<&'static str, usize> {
+    let reasons = Unrefined::ALL.iter().zip(report.unrefined);
+    reasons.filter(|&(_, count)| count > 0).map(|(reason, count)| (reason.name(), count)).collect()
+}
+
 /// Triangulates, on so many threads, and refines: a domain as given, points in their convex hull.
 pub fn refined(
     content: &Content,
     threads: usize,
     options: &RefineOptions,
+    sizing: &Sizing,
     control: &Control,
     seconds: &mut Seconds,
 ) -> Result<(Mesh, RefineReport), Error> {
@@ -68,7 +95,7 @@ pub fn refined(
             Ok(mesh)
         }
     })?;
-    let report = timed(&mut seconds.refine, || mesh.refine(options, control))?;
+    let report = timed(&mut seconds.refine, || mesh.refine_sized(options, sizing, control))?;
     Ok((mesh, report))
 }
 
@@ -83,7 +110,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
     let mesh = mesh.map_err(|error| input.source.explain(&error))?;
     drop(bar);
     let vertices = mesh.triangulation().vertex_count();
-    save(files, &mesh, vertices, &mut seconds)?;
+    save(files, &mesh, vertices, &input.content, &mut seconds)?;
     let view = mesh.view();
     let (worst_radius_edge, min_dihedral_degrees) = extremes(&view);
     print(
@@ -94,6 +121,8 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
             tetrahedra: view.tetrahedra.len(),
             steiner: 0,
             bad: None,
+            unrefined: None,
+            too_large: None,
             worst_radius_edge,
             min_dihedral_degrees,
             rule: None,
@@ -131,11 +160,21 @@ fn open(files: &Files, seconds: &mut Seconds) -> Result<Input, Failure> {
     Ok(input)
 }
 
-fn save(files: &Files, mesh: &Mesh, input_vertices: usize, seconds: &mut Seconds) -> Result<(), Failure> {
+fn save(
+    files: &Files,
+    mesh: &Mesh,
+    input_vertices: usize,
+    content: &Content,
+    seconds: &mut Seconds,
+) -> Result<(), Failure> {
     if files.outputs.is_empty() {
         return Ok(());
     }
-    timed(&mut seconds.write, || write(&files.outputs, &OutputMesh::new(mesh.view(), input_vertices)))
+    let plc = match content {
+        Content::Domain(plc) => Some(plc),
+        Content::Points(_) => None,
+    };
+    timed(&mut seconds.write, || write(&files.outputs, &OutputMesh::new(mesh, input_vertices, plc)))
 }
 
 fn print(files: &Files, report: &Report) -> Result<(), Failure> {

@@ -1,5 +1,6 @@
 //! What a command says when it is done: one JSON object, or a few lines for people.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -14,6 +15,10 @@ pub struct Report {
     pub tetrahedra: usize,
     pub steiner: usize,
     pub bad: Option<usize>,
+    /// How many of the bad tetrahedra were left for each reason.
+    pub unrefined: Option<BTreeMap<&'static str, usize>>,
+    /// How many are larger than was asked for.
+    pub too_large: Option<usize>,
     /// Null when a flat tetrahedron makes it infinite.
     pub worst_radius_edge: f64,
     pub min_dihedral_degrees: f64,
@@ -67,6 +72,9 @@ impl Report {
         line("tetrahedra", self.tetrahedra.to_string());
         if let (Some(bad), Some(bound), Some(rule)) = (self.bad, self.radius_edge, self.rule) {
             line("bad", format!("{bad} above radius-edge {bound}, rule {rule}"));
+            for (reason, count) in self.unrefined.iter().flatten() {
+                line("", format!("{count} {reason}"));
+            }
         }
         line("worst radius-edge", format!("{:.4}", self.worst_radius_edge));
         line("smallest dihedral", format!("{:.3}°", self.min_dihedral_degrees));
@@ -89,6 +97,8 @@ mod tests {
             tetrahedra: 99,
             steiner: 20,
             bad: Some(0),
+            unrefined: Some(BTreeMap::from([("boundary", 2)])),
+            too_large: Some(0),
             worst_radius_edge: 1.5,
             min_dihedral_degrees: 0.25,
             rule: Some("paper"),
@@ -96,10 +106,18 @@ mod tests {
             status: "done",
             seconds: Seconds::default(),
         };
-        let json = r#"{"input_vertices":10,"vertices":30,"tetrahedra":99,"steiner":20,"bad":0,"worst_radius_edge":1.5,"min_dihedral_degrees":0.25,"rule":"paper","radius_edge":2.0,"status":"done","seconds":{"read":0.0,"delaunay":0.0,"refine":0.0,"write":0.0}}"#;
+        let json = r#"{"input_vertices":10,"vertices":30,"tetrahedra":99,"steiner":20,"bad":0,"unrefined":{"boundary":2},"too_large":0,"worst_radius_edge":1.5,"min_dihedral_degrees":0.25,"rule":"paper","radius_edge":2.0,"status":"done","seconds":{"read":0.0,"delaunay":0.0,"refine":0.0,"write":0.0}}"#;
         assert_eq!(report.json(), json);
-        let delaunay = Report { bad: None, rule: None, radius_edge: None, worst_radius_edge: f64::INFINITY, ..report };
-        assert!(delaunay.json().contains(r#""bad":null,"worst_radius_edge":null,"#));
+        let delaunay = Report {
+            bad: None,
+            unrefined: None,
+            too_large: None,
+            rule: None,
+            radius_edge: None,
+            worst_radius_edge: f64::INFINITY,
+            ..report
+        };
+        assert!(delaunay.json().contains(r#""bad":null,"unrefined":null,"too_large":null,"worst_radius_edge":null,"#));
         assert!(!delaunay.text().contains("bad"));
     }
 }

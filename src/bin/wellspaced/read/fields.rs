@@ -104,6 +104,14 @@ impl<'a> Fields<'a> {
         Failure::in_line(self.path, self.line, element, problem)
     }
 
+    /// The next field as it stands, which stays the next one.
+    pub fn peek(&mut self) -> Option<&'a str> {
+        let before = self.rest;
+        let text = self.text();
+        self.rest = before;
+        text
+    }
+
     /// The next field as it stands.
     pub fn text(&mut self) -> Option<&'a str> {
         let rest = self.rest?;

@@ -1,9 +1,14 @@
-//! Input files by their ending: `.poly` is a domain, `.node` and `.xyz` are points.
+//! Input files by their ending: `.poly` and `.smesh` are domains, `.off`, `.stl`, `.ply` and `.obj` the surfaces of domains, `.node` and `.xyz` are points.
 
 mod fields;
 mod node;
+mod obj;
+mod off;
+mod ply;
 mod poly;
 mod source;
+mod stl;
+mod surface;
 mod xyz;
 
 use std::path::{Path, PathBuf};
@@ -19,8 +24,19 @@ use crate::failure::Failure;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Poly,
+    Off,
+    Stl,
+    Ply,
+    Obj,
     Node,
     Xyz,
+}
+
+impl Format {
+    /// Whether files of this kind hold a surface of polygons.
+    pub fn is_surface(self) -> bool {
+        matches!(self, Format::Off | Format::Stl | Format::Ply | Format::Obj)
+    }
 }
 
 /// A file to read, whose ending is known.
@@ -35,10 +51,14 @@ impl InputFile {
     pub fn parse(argument: &str) -> Result<Self, String> {
         let path = PathBuf::from(argument);
         let format = match ending(&path).as_deref() {
-            Some("poly") => Format::Poly,
+            Some("poly" | "smesh") => Format::Poly,
+            Some("off") => Format::Off,
+            Some("stl") => Format::Stl,
+            Some("ply") => Format::Ply,
+            Some("obj") => Format::Obj,
             Some("node") => Format::Node,
             Some("xyz") => Format::Xyz,
-            _ => return Err("unknown ending, expected .poly, .node or .xyz".to_owned()),
+            _ => return Err("unknown ending, expected .poly, .smesh, .off, .stl, .ply, .obj, .node or .xyz".to_owned()),
         };
         Ok(InputFile { path, format })
     }
@@ -81,7 +101,14 @@ pub fn read(file: &InputFile) -> Result<Input, Failure> {
 pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure> {
     let mut source = Source::new(path);
     let content = match format {
-        Format::Poly => Content::Domain(poly::parse_poly(path, bytes, &mut source)?),
+        Format::Poly => {
+            let short = ending(path).as_deref() == Some("smesh");
+            Content::Domain(poly::parse_poly(path, bytes, short, &mut source)?)
+        }
+        Format::Stl => Content::Domain(stl::parse_stl(path, bytes)?.into_domain()),
+        Format::Ply => Content::Domain(ply::parse_ply(path, bytes)?.into_domain()),
+        Format::Obj => Content::Domain(obj::parse_obj(path, bytes)?.into_domain()),
+        Format::Off => Content::Domain(off::parse_off(path, bytes, &mut source)?.into_domain()),
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };
@@ -105,7 +132,7 @@ mod tests {
         assert_eq!(InputFile::parse("a/b.POLY").unwrap().format, Format::Poly);
         assert_eq!(InputFile::parse("b.node").unwrap().format, Format::Node);
         assert_eq!(InputFile::parse("c.d.Xyz").unwrap().format, Format::Xyz);
-        for wrong in ["b.stl", "b", "", "poly", ".poly"] {
+        for wrong in ["b.step", "b", "", "poly", ".poly"] {
             assert!(InputFile::parse(wrong).is_err(), "{wrong:?}");
         }
     }

@@ -1,5 +1,5 @@
 //! TetGen's `.poly` files: 1. points, 2. facets, 3. volume holes, 4. regions. Everything is read; what may be left
-//! out in TetGen may be left out here. A file whose number of points is 0 takes them from the `.node` file beside it.
+//! out in TetGen may be left out here. In a `.smesh` each facet is one polygon in one line, with its marker at the end. A file whose number of points is 0 takes them from the `.node` file beside it.
 
 use std::path::Path;
 
@@ -11,10 +11,10 @@ use super::source::{Place, Source};
 use crate::failure::Failure;
 
 /// Reads the content of a `.poly` file; `source` learns where its elements stand.
-pub fn parse_poly(path: &Path, content: &[u8], source: &mut Source) -> Result<Plc, Failure> {
+pub fn parse_poly(path: &Path, content: &[u8], short: bool, source: &mut Source) -> Result<Plc, Failure> {
     let mut reader = Reader { lines: Lines::new(path, content, Separator::Blank), plc: Plc::default(), source };
     reader.points(path)?;
-    let facets = reader.facets()?;
+    let facets = reader.facets(short)?;
     let holes = reader.holes()?;
     let regions = reader.regions()?;
     let last = match (regions, holes, facets) {
@@ -47,7 +47,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Part 2; the number of facets in the file.
-    fn facets(&mut self) -> Result<usize, Failure> {
+    fn facets(&mut self, short: bool) -> Result<usize, Failure> {
         let mut fields = self.lines.expect("number of facets")?;
         let count = fields.count("list of facets", "number of facets")?;
         let markers = match fields.optional_count("list of facets", "number of markers")?.unwrap_or(0) {
@@ -61,9 +61,23 @@ impl<'a> Reader<'a, '_> {
         for index in 0..count {
             let number = index + self.source.base;
             let fields = self.lines.expect(format_args!("facet {} of {count}", index + 1))?;
-            self.facet(number, markers, fields)?;
+            if short {
+                self.short_facet(number, markers, fields)?;
+            } else {
+                self.facet(number, markers, fields)?;
+            }
         }
         Ok(count)
+    }
+
+    /// A facet of a `.smesh`: its polygon, then its marker.
+    fn short_facet(&mut self, number: usize, markers: bool, fields: Fields<'a>) -> Result<(), Failure> {
+        let element = format!("facet {number}");
+        let place = Place { line: fields.line(), number };
+        let (corners, mut rest) = self.polygon_in(&element, fields)?;
+        let marker = if markers { rest.marker(&element)? } else { 0 };
+        self.keep_facet(PlcFacet { polygons: vec![corners], marker, ..PlcFacet::default() }, place);
+        Ok(())
     }
 
     fn facet(&mut self, number: usize, markers: bool, mut fields: Fields) -> Result<(), Failure> {
@@ -85,10 +99,16 @@ impl<'a> Reader<'a, '_> {
             fields.count(&hole, "number")?;
             facet.holes.push(fields.point(&hole)?);
         }
+        self.keep_facet(facet, place);
+        Ok(())
+    }
+
+    fn keep_facet(&mut self, facet: PlcFacet, place: Place) {
+        let marker = facet.marker;
         if facet.polygons.iter().any(|polygon| polygon.len() > 2) {
             self.plc.facets.push(facet);
             self.source.facets.push(place);
-            return Ok(());
+            return;
         }
         // Without a polygon that spans a plane this is TetGen's way of writing segments and lone points.
         for polygon in &facet.polygons {
@@ -97,12 +117,16 @@ impl<'a> Reader<'a, '_> {
                 self.source.segments.push(place);
             }
         }
-        Ok(())
     }
 
     /// A polygon's corners; they may go on in the following lines.
     fn polygon(&mut self, element: &str) -> Result<Vec<u32>, Failure> {
-        let mut fields = self.lines.expect(element)?;
+        let fields = self.lines.expect(element)?;
+        self.polygon_in(element, fields).map(|(corners, _)| corners)
+    }
+
+    /// The polygon that begins in this line, and what is left of the line where it ends.
+    fn polygon_in(&mut self, element: &str, mut fields: Fields<'a>) -> Result<(Vec<u32>, Fields<'a>), Failure> {
         let count = fields.count(element, "number of corners")?;
         if count == 0 {
             return Err(fields.wrong(element, "has no corner"));
@@ -123,7 +147,7 @@ impl<'a> Reader<'a, '_> {
             [a, b] if a == b => {
                 Err(fields.wrong(element, format_args!("both ends are point {}", a as usize + self.source.base)))
             }
-            _ => Ok(corners),
+            _ => Ok((corners, fields)),
         }
     }
 
@@ -181,7 +205,7 @@ mod tests {
     fn parse(text: &str) -> Result<(Plc, Source), String> {
         let path = Path::new("in.poly");
         let mut source = Source::new(path);
-        match parse_poly(path, text.as_bytes(), &mut source) {
+        match parse_poly(path, text.as_bytes(), false, &mut source) {
             Ok(plc) => Ok((plc, source)),
             Err(failure) => Err(failure.message().to_owned()),
         }
@@ -242,6 +266,18 @@ mod tests {
         assert_eq!(source.facets, [Place { line: 11, number: 1 }, Place { line: 16, number: 2 }]);
         assert_eq!(source.segments, [Place { line: 18, number: 3 }; 2]);
         assert_eq!((source.base, source.points[0], source.holes[0].line), (1, 3, 25));
+    }
+
+    #[test]
+    fn facets_of_an_smesh_are_one_line_each() {
+        let text = "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n3 1\n3 1 2 3 7\n3 1 2\n 4 -8\n2 3 4 9\n0\n0\n";
+        let path = Path::new("in.smesh");
+        let mut source = Source::new(path);
+        let plc = parse_poly(path, text.as_bytes(), true, &mut source).unwrap();
+        let facets: Vec<_> = plc.facets.iter().map(|f| (f.polygons[0].clone(), f.marker)).collect();
+        assert_eq!(facets, [(vec![0, 1, 2], 7), (vec![0, 1, 3], -8)]);
+        assert_eq!(plc.segments, [PlcSegment { ends: [2, 3], marker: 9 }]);
+        assert_eq!(source.facets[1], Place { line: 8, number: 2 });
     }
 
     #[test]
@@ -315,7 +351,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("wellspaced-poly-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("in.poly");
-        let parse = || parse_poly(&path, b"0 3 0 0\n1 0\n1\n3 1 2 3\n0\n", &mut Source::new(&path));
+        let parse = || parse_poly(&path, b"0 3 0 0\n1 0\n1\n3 1 2 3\n0\n", false, &mut Source::new(&path));
         let missing = parse().unwrap_err().message().to_owned();
         std::fs::write(folder.join("in.node"), "3 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n").unwrap();
         let plc = parse();

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wellspaced::{DomainElement, Error};
+use wellspaced::{DomainElement, Error, PlcDefect};
 
 use super::fields::Numbered;
 use crate::failure::Failure;
@@ -48,6 +48,15 @@ impl Source {
         }
     }
 
+    /// Facet `i` has become a part of facet `group[i]` of `count`. Each is named by the first of its parts.
+    pub fn join(&mut self, group: &[u32], count: usize) {
+        let mut first = vec![Place { line: 0, number: 0 }; count];
+        for (&place, &new) in self.facets.iter().zip(group).rev() {
+            first[new as usize] = place;
+        }
+        self.facets = first;
+    }
+
     /// The files that were read.
     pub fn files(&self) -> [&Path; 2] {
         [&self.path, &self.points_path]
@@ -75,18 +84,53 @@ impl Source {
     }
 
     fn element(&self, element: DomainElement, problem: &str) -> Failure {
-        let (name, places, index) = match element {
-            DomainElement::Point(index) => return self.point(index, problem),
+        if let DomainElement::Point(index) = element {
+            return self.point(index, problem);
+        }
+        let name = self.name(element);
+        match self.place(element) {
+            (_, _, Some(line)) => Failure::in_line(&self.path, line, name, problem),
+            _ => Failure::in_file(&self.path, format_args!("{name}: {problem}")),
+        }
+    }
+
+    /// What kind of element the file has it as, its number there, and its line where that is known.
+    pub fn place(&self, element: DomainElement) -> (&'static str, Option<usize>, Option<usize>) {
+        let (kind, places, index) = match element {
+            DomainElement::Point(index) => {
+                let line = self.points.get(index).map(|&line| line as usize);
+                return ("point", Some(index + self.base), line);
+            }
             // The file has them as facets without a polygon that spans a plane.
-            DomainElement::Segment(index) => ("segment of facet", &self.segments, index),
+            DomainElement::Segment(index) => ("segment", &self.segments, index),
             DomainElement::Facet(index) => ("facet", &self.facets, index),
             DomainElement::Hole(index) => ("hole", &self.holes, index),
             DomainElement::Region(index) => ("region", &self.regions, index),
-            whole => return Failure::in_file(&self.path, format_args!("{whole}: {problem}")),
+            _ => return ("domain", None, None),
         };
         match places.get(index) {
-            Some(place) => Failure::in_line(&self.path, place.line, Numbered(name, place.number), problem),
-            None => Failure::in_file(&self.path, format_args!("{element}: {problem}")),
+            Some(place) => (kind, Some(place.number), (place.line > 0).then_some(place.line)),
+            None => (kind, Some(index), None),
         }
+    }
+
+    /// An element's name as the file has it.
+    pub fn name(&self, element: DomainElement) -> String {
+        match self.place(element) {
+            // In a `.poly` a segment is a facet of two corners.
+            ("segment", Some(number), _) => format!("segment of facet {number}"),
+            (kind, Some(number), _) => format!("{kind} {number}"),
+            (kind, None, _) => kind.to_owned(),
+        }
+    }
+
+    /// A defect as a line that names this input's file, line and elements.
+    pub fn describe(&self, defect: &PlcDefect) -> String {
+        let first = defect.elements.first().copied().unwrap_or(DomainElement::Whole);
+        let mut problem = defect.problem();
+        if let Some(&other) = defect.elements.get(1) {
+            problem = problem.replacen(&other.to_string(), &self.name(other), 1);
+        }
+        self.element(first, &problem).message().to_owned()
     }
 }

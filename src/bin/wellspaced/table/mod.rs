@@ -9,7 +9,7 @@ mod row;
 use std::io::{self, Write};
 use std::path::Path;
 
-use wellspaced::RefineOptions;
+use wellspaced::{RefineOptions, Sizing};
 
 use crate::args::{Method, Table1};
 use crate::dataset::Dataset;
@@ -64,7 +64,7 @@ fn run(dataset: Dataset, input: &Input, radius_edge: f64, rule: Method) -> Resul
         RefineOptions { radius_edge, rule: rule.rule(), sparsify: Some(rule.sparsify()), ..RefineOptions::default() };
     let bar = Bar::new(&format!("{} beta {radius_edge} {}", dataset.title(), rule.name()));
     let mut seconds = Seconds::default();
-    let result = refined(&input.content, 1, &options, &bar.control(), &mut seconds);
+    let result = refined(&input.content, 1, &options, &Sizing::default(), &bar.control(), &mut seconds);
     let (_, report) = result.map_err(|error| input.source.explain(&error))?;
     Ok(Row::new(dataset, radius_edge, rule, &report, &seconds))
 }

@@ -75,6 +75,8 @@ fn refine_a_domain() {
             "tetrahedra",
             "steiner",
             "bad",
+            "unrefined",
+            "too_large",
             "worst_radius_edge",
             "min_dihedral_degrees",
             "rule",

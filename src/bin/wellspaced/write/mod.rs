@@ -1,6 +1,8 @@
-//! Output files by their ending: `.vtu`, or TetGen's pair `.node` and `.ele`.
+//! Output files by their ending: `.vtu`, `.msh`, `.mesh`, or TetGen's pair `.node` and `.ele`, with `.face` and `.edge` if one of those is named.
 
 mod atomic;
+mod gmsh;
+mod medit;
 mod number;
 mod tetgen;
 mod vtu;
@@ -9,7 +11,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use wellspaced::domain::Carrier;
 use wellspaced::mesh::MeshView;
+use wellspaced::{Location, Mesh, Plc};
 
 pub use tetgen::write_poly;
 
@@ -21,8 +25,12 @@ use atomic::AtomicFile;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Vtu,
+    Gmsh,
+    Medit,
     /// `.node` and `.ele`, whichever was named.
     Tetgen,
+    /// These and `.face` and `.edge`.
+    TetgenAll,
 }
 
 /// A file to write, whose ending is known.
@@ -38,17 +46,22 @@ impl OutputFile {
         let path = PathBuf::from(argument);
         let format = match ending(&path).as_deref() {
             Some("vtu") => Format::Vtu,
+            Some("msh") => Format::Gmsh,
+            Some("mesh") => Format::Medit,
             Some("node" | "ele") => Format::Tetgen,
-            _ => return Err("unknown ending, expected .vtu, .node or .ele".to_owned()),
+            Some("face" | "edge") => Format::TetgenAll,
+            _ => return Err("unknown ending, expected .vtu, .msh, .mesh, .node, .ele, .face or .edge".to_owned()),
         };
         Ok(OutputFile { path, format })
     }
 
     /// The files that writing makes.
     fn files(&self) -> Vec<PathBuf> {
+        let with = |endings: &[&str]| endings.iter().map(|ending| self.path.with_extension(ending)).collect();
         match self.format {
-            Format::Vtu => vec![self.path.clone()],
-            Format::Tetgen => vec![self.path.with_extension("node"), self.path.with_extension("ele")],
+            Format::Vtu | Format::Gmsh | Format::Medit => vec![self.path.clone()],
+            Format::Tetgen => with(&["node", "ele"]),
+            Format::TetgenAll => with(&["node", "ele", "face", "edge"]),
         }
     }
 
@@ -78,17 +91,68 @@ pub struct OutputMesh {
     pub tetrahedra: Vec<[u32; 4]>,
     /// For each point whether it was added.
     pub steiner: Vec<bool>,
+    /// For each point its own marker in the input, or that of the segment or facet that it was put on; 0 for others.
+    pub point_markers: Vec<i32>,
+    /// For each point what it lies on: 0 nothing, 1 it is an input vertex, 2 a segment, 3 a facet.
+    pub point_kinds: Vec<u8>,
     /// For each tetrahedron 0, or 1 + the position of its region in the domain's list.
     pub regions: Vec<u32>,
+    /// For each tetrahedron its region's attribute; empty when there are no regions.
+    pub attributes: Vec<f64>,
+    /// The faces on facets, each with the facet's marker.
+    pub faces: Vec<([u32; 3], i32)>,
+    /// The edges on segments, each with the segment's marker.
+    pub edges: Vec<([u32; 2], i32)>,
 }
 
 impl OutputMesh {
-    /// Closes the gaps that removed vertices leave; the first `input_vertices` ids are the input's.
-    pub fn new(view: MeshView, input_vertices: usize) -> Self {
+    /// Closes the gaps that removed vertices leave; the first `input_vertices` ids are the input's. `plc` is the domain that the mesh was made from.
+    pub fn new(mesh: &Mesh, input_vertices: usize, plc: Option<&Plc>) -> Self {
+        let mut new = Self::of_view(mesh.view(), input_vertices);
+        let count = new.points.len();
+        new.point_markers = vec![0; count];
+        new.point_kinds = vec![0; count];
+        let numbers = numbers(mesh.view().points);
+        if let Some(plc) = plc.filter(|plc| !plc.point_markers.is_empty()) {
+            for (point, &marker) in plc.points.iter().zip(&plc.point_markers) {
+                if let Location::Vertex(v) = mesh.triangulation().locate(*point, None) {
+                    new.point_markers[numbers[v as usize] as usize] = marker;
+                }
+            }
+        }
+        if let Some(plc) = plc.filter(|plc| !plc.regions.is_empty()) {
+            let attribute = |&region: &u32| match region {
+                0 => 0.0,
+                _ => plc.regions.get(region as usize - 1).map_or(0.0, |region| region.attribute),
+            };
+            new.attributes = new.regions.iter().map(attribute).collect();
+        }
+        let Some(boundary) = mesh.boundary() else { return new };
+        let renumbered = |v: u32| numbers[v as usize];
+        for (face, facet) in boundary.subfacets() {
+            new.faces.push((face.map(renumbered), boundary.facets()[facet as usize].marker));
+        }
+        for (edge, segment) in boundary.subsegments() {
+            new.edges.push((edge.map(renumbered), boundary.segments()[segment as usize].marker));
+        }
+        for v in mesh.triangulation().vertices() {
+            let (kind, marker) = match boundary.carrier(v) {
+                Carrier::Vertex(_) => (1, None),
+                Carrier::Segment(s) => (2, Some(boundary.segments()[s as usize].marker)),
+                Carrier::Facet(f) => (3, Some(boundary.facets()[f as usize].marker)),
+                _ => (u8::from((v as usize) < input_vertices), None),
+            };
+            let number = renumbered(v) as usize;
+            new.point_kinds[number] = kind;
+            new.point_markers[number] = marker.unwrap_or(new.point_markers[number]);
+        }
+        new
+    }
+
+    fn of_view(view: MeshView, input_vertices: usize) -> Self {
         let mut mesh = OutputMesh::default();
-        let mut numbers = Vec::with_capacity(view.points.len());
+        let numbers = numbers(view.points);
         for (id, point) in view.points.iter().enumerate() {
-            numbers.push(mesh.points.len() as u32);
             if point.is_finite() {
                 mesh.points.push(*point);
                 mesh.steiner.push(id >= input_vertices);
@@ -98,6 +162,17 @@ impl OutputMesh {
         mesh.regions = view.regions.to_vec();
         mesh
     }
+}
+
+/// The number of each id without those that have no vertex.
+fn numbers(points: &[DVec3]) -> Vec<u32> {
+    let mut next = 0;
+    let number = |point: &DVec3| {
+        let number = next;
+        next += u32::from(point.is_finite());
+        number
+    };
+    points.iter().map(number).collect()
 }
 
 /// Writes a mesh to all `outputs`. Each file appears whole or not at all, and none appears if one can't be written.
@@ -116,8 +191,12 @@ pub fn write(outputs: &[OutputFile], mesh: &OutputMesh) -> Result<(), Failure> {
 
 fn write_one(out: &mut dyn Write, place: &Path, mesh: &OutputMesh) -> io::Result<()> {
     match ending(place).as_deref() {
-        Some("node") => tetgen::write_node(out, &mesh.points),
-        Some("ele") => tetgen::write_ele(out, &mesh.tetrahedra),
+        Some("node") => tetgen::write_node(out, &mesh.points, &mesh.point_markers),
+        Some("ele") => tetgen::write_ele(out, &mesh.tetrahedra, &mesh.attributes),
+        Some("face") => tetgen::write_marked(out, &mesh.faces),
+        Some("edge") => tetgen::write_marked(out, &mesh.edges),
+        Some("msh") => gmsh::write_msh(out, mesh),
+        Some("mesh") => medit::write_mesh(out, mesh),
         _ => vtu::write_vtu(out, mesh),
     }
 }
@@ -142,7 +221,7 @@ mod tests {
         let points = [DVec3::X, DVec3::NAN, DVec3::Y, DVec3::Z, DVec3::NAN, DVec3::ZERO];
         let view =
             MeshView { points: &points, tetrahedra: &[[0, 2, 3, 5]], neighbours: &[[u32::MAX; 4]], regions: &[3] };
-        let mesh = OutputMesh::new(view, 3);
+        let mesh = OutputMesh::of_view(view, 3);
         assert_eq!(mesh.points, [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]);
         assert_eq!(mesh.tetrahedra, [[0, 1, 2, 3]]);
         assert_eq!(mesh.steiner, [false, false, true, true]);

@@ -7,20 +7,41 @@ use wellspaced::Plc;
 
 use super::number::Shortest;
 
-/// Writes points as a `.node` file.
-pub fn write_node(out: &mut dyn Write, points: &[DVec3]) -> io::Result<()> {
-    writeln!(out, "{} 3 0 0", points.len())?;
+/// Writes points as a `.node` file, with their markers if any is not 0.
+pub fn write_node(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io::Result<()> {
+    let marked = markers.iter().any(|&marker| marker != 0);
+    writeln!(out, "{} 3 0 {}", points.len(), u8::from(marked))?;
     for (number, point) in points.iter().enumerate() {
-        writeln!(out, "{number} {} {} {}", Shortest(point.x), Shortest(point.y), Shortest(point.z))?;
+        write!(out, "{number} {} {} {}", Shortest(point.x), Shortest(point.y), Shortest(point.z))?;
+        match markers.get(number) {
+            Some(marker) if marked => writeln!(out, " {marker}")?,
+            _ => writeln!(out)?,
+        }
     }
     Ok(())
 }
 
-/// Writes tetrahedra as an `.ele` file, in our orientation.
-pub fn write_ele(out: &mut dyn Write, tetrahedra: &[[u32; 4]]) -> io::Result<()> {
-    writeln!(out, "{} 4 0", tetrahedra.len())?;
+/// Writes tetrahedra as an `.ele` file, in our orientation, with their regions' attributes if there are any.
+pub fn write_ele(out: &mut dyn Write, tetrahedra: &[[u32; 4]], attributes: &[f64]) -> io::Result<()> {
+    writeln!(out, "{} 4 {}", tetrahedra.len(), u8::from(!attributes.is_empty()))?;
     for (number, [a, b, c, d]) in tetrahedra.iter().enumerate() {
-        writeln!(out, "{number} {a} {b} {c} {d}")?;
+        match attributes.get(number) {
+            Some(&attribute) => writeln!(out, "{number} {a} {b} {c} {d} {}", Shortest(attribute))?,
+            None => writeln!(out, "{number} {a} {b} {c} {d}")?,
+        }
+    }
+    Ok(())
+}
+
+/// Writes faces as a `.face` file, or edges as an `.edge` file, with their markers.
+pub fn write_marked<const N: usize>(out: &mut dyn Write, elements: &[([u32; N], i32)]) -> io::Result<()> {
+    writeln!(out, "{} 1", elements.len())?;
+    for (number, (corners, marker)) in elements.iter().enumerate() {
+        write!(out, "{number}")?;
+        for corner in corners {
+            write!(out, " {corner}")?;
+        }
+        writeln!(out, " {marker}")?;
     }
     Ok(())
 }
@@ -102,8 +123,8 @@ mod tests {
     #[test]
     fn node_and_ele_are_zero_based() {
         let points = [DVec3::new(0.1, -2.0, 1e-9), DVec3::ZERO];
-        assert_eq!(text(|out| write_node(out, &points)), "2 3 0 0\n0 0.1 -2 1e-9\n1 0 0 0\n");
-        assert_eq!(text(|out| write_ele(out, &[[3, 1, 2, 0]])), "1 4 0\n0 3 1 2 0\n");
+        assert_eq!(text(|out| write_node(out, &points, &[])), "2 3 0 0\n0 0.1 -2 1e-9\n1 0 0 0\n");
+        assert_eq!(text(|out| write_ele(out, &[[3, 1, 2, 0]], &[])), "1 4 0\n0 3 1 2 0\n");
     }
 
     #[test]
@@ -173,7 +194,7 @@ mod tests {
 
         #[test]
         fn points_read_back_as_themselves(points in prop::collection::vec(point(), 0..30)) {
-            let text = text(|out| write_node(out, &points));
+            let text = text(|out| write_node(out, &points, &[]));
             let input = parse(Path::new("in.node"), Format::Node, text.as_bytes()).unwrap();
             prop_assert_eq!(input.content, Content::Points(points));
         }

@@ -37,6 +37,9 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
 
     writeln!(out, r#"<PointData Scalars="steiner">"#)?;
     array(out, r#"type="UInt8" Name="steiner""#, points, mesh.steiner.iter().map(|&flag| [u8::from(flag)]))?;
+    array(out, r#"type="UInt8" Name="kind""#, mesh.point_kinds.len(), mesh.point_kinds.iter().map(|&kind| [kind]))?;
+    let markers = mesh.point_markers.iter().map(|&marker| marker.to_le_bytes());
+    array(out, r#"type="Int32" Name="marker""#, mesh.point_markers.len(), markers)?;
     writeln!(out, "</PointData>")?;
     writeln!(out, r#"<CellData Scalars="radius_edge">"#)?;
     let shapes = || mesh.tetrahedra.iter().map(|t| t.map(|corner| mesh.points[corner as usize]));
@@ -100,6 +103,9 @@ mod tests {
             tetrahedra: vec![[0, 2, 1, 3]],
             steiner: vec![false, false, true, false],
             regions: vec![7],
+            point_markers: vec![0, -3, 1, 2],
+            point_kinds: vec![1, 1, 2, 0],
+            ..OutputMesh::default()
         };
         let mut bytes = Vec::new();
         write_vtu(&mut bytes, &mesh).unwrap();
@@ -112,6 +118,8 @@ mod tests {
         assert_eq!(decoded(&text, "types"), [10]);
         assert_eq!(decoded(&text, "region"), [7, 0, 0, 0]);
         assert_eq!(decoded(&text, "steiner"), [0, 0, 1, 0]);
+        assert_eq!(decoded(&text, "kind"), [1, 1, 2, 0]);
+        assert_eq!(decoded(&text, "marker")[4..8], (-3i32).to_le_bytes());
         // The regular tetrahedron: R/l = sqrt(6)/4, dihedral angles acos(1/3).
         assert!((reals(&text, "radius_edge")[0] - 0.375f64.sqrt()).abs() < 1e-14);
         assert!((reals(&text, "min_dihedral_degrees")[0] - 70.528_779_365_509_31).abs() < 1e-12);
@@ -120,7 +128,13 @@ mod tests {
     #[test]
     fn a_mesh_without_tetrahedra_is_a_whole_document() {
         let mut bytes = Vec::new();
-        let mesh = OutputMesh { points: vec![DVec3::ZERO], steiner: vec![false], ..OutputMesh::default() };
+        let mesh = OutputMesh {
+            points: vec![DVec3::ZERO],
+            steiner: vec![false],
+            point_kinds: vec![1],
+            point_markers: vec![0],
+            ..OutputMesh::default()
+        };
         write_vtu(&mut bytes, &mesh).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.ends_with("</VTKFile>\n"));

@@ -1,0 +1,210 @@
+//! A complex as plain geometry: points at one place merged, every side of a facet a segment, every facet a set of triangles.
+
+use rustc_hash::FxHashMap;
+
+use super::defect::{PlcDefect, PlcDefectKind};
+use crate::domain::boundary::edge_key;
+use crate::domain::facet::dominant_axis;
+use crate::domain::planar::{facet_normal, off_plane, triangles_within, PlanarDefect};
+use crate::domain::plc::Plc;
+use crate::geometry::check_range;
+use crate::{DVec3, DomainElement, Error};
+
+/// Labels of regions have 16 bits, of which a few values mean something else.
+pub(crate) const MAX_REGIONS: usize = 60_000;
+
+/// A segment of the list or a side of facets.
+#[derive(Clone, Debug)]
+pub(crate) struct Side {
+    /// Lower point first, as all edges here.
+    pub ends: [u32; 2],
+    /// Its first position in the list of segments.
+    pub listed: Option<usize>,
+    /// The facets that have it as a side.
+    pub facets: Vec<u32>,
+    /// The points that lie on it, in order from the lower end.
+    pub between: Vec<u32>,
+}
+
+impl Side {
+    /// The element to name it by.
+    pub fn element(&self) -> DomainElement {
+        match (self.listed, self.facets.first()) {
+            (Some(i), _) => DomainElement::Segment(i),
+            (None, Some(&facet)) => DomainElement::Facet(facet as usize),
+            (None, None) => DomainElement::Whole,
+        }
+    }
+
+    /// Its parts between the points on it.
+    pub fn parts(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let starts = std::iter::once(self.ends[0]).chain(self.between.iter().copied());
+        let ends = self.between.iter().copied().chain(std::iter::once(self.ends[1]));
+        starts.zip(ends).map(|(a, b)| [a, b])
+    }
+}
+
+/// A complex taken apart. Points are named by the first position of those at one place.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Arrangement {
+    pub points: Vec<DVec3>,
+    /// The first point at the place of each.
+    pub first: Vec<u32>,
+    pub sides: Vec<Side>,
+    pub side_of: FxHashMap<[u32; 2], u32>,
+    /// Each with its facet.
+    pub triangles: Vec<([u32; 3], u32)>,
+    /// The corners of each facet, sorted.
+    pub corners: Vec<Vec<u32>>,
+    /// The points that lie in each facet, but on no side of it, and are no corners of it; sorted.
+    pub inside: Vec<Vec<u32>>,
+}
+
+impl Arrangement {
+    /// Takes a complex apart; elements that are defective by themselves are noted and left out.
+    pub fn new(plc: &Plc, defects: &mut Vec<PlcDefect>) -> Arrangement {
+        let mut new = Arrangement {
+            points: plc.points.clone(),
+            corners: vec![Vec::new(); plc.facets.len()],
+            inside: vec![Vec::new(); plc.facets.len()],
+            ..Arrangement::default()
+        };
+        new.merge_points(defects);
+        for (i, segment) in plc.segments.iter().enumerate() {
+            new.add_segment(i, segment.ends, defects);
+        }
+        for i in 0..plc.facets.len() {
+            new.add_facet(plc, i, defects);
+        }
+        check_seeds(plc, defects);
+        new
+    }
+
+    fn merge_points(&mut self, defects: &mut Vec<PlcDefect>) {
+        let mut at_place: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+        for (i, &point) in self.points.iter().enumerate() {
+            if let Err(error) = check_range(i, point) {
+                let kind = match error {
+                    Error::NotFinite { .. } => PlcDefectKind::NotFinite,
+                    _ => PlcDefectKind::OutOfRange,
+                };
+                defects.push(PlcDefect::new(kind, [DomainElement::Point(i)], point));
+            }
+            // Adding 0 makes −0 the same as 0.
+            let key = (point + DVec3::ZERO).to_array().map(f64::to_bits);
+            let first = *at_place.entry(key).or_insert(i as u32);
+            if first != i as u32 {
+                let elements = [DomainElement::Point(i), DomainElement::Point(first as usize)];
+                defects.push(PlcDefect::new(PlcDefectKind::DuplicatePoint, elements, point));
+            }
+            self.first.push(first);
+        }
+    }
+
+    /// The point that stands for a named one, if it is fit for the predicates.
+    fn named(&self, v: u32, element: DomainElement, defects: &mut Vec<PlcDefect>) -> Option<u32> {
+        let Some(&first) = self.first.get(v as usize) else {
+            let defect = PlcDefect::new(PlcDefectKind::NoSuchPoint, [element], DVec3::NAN);
+            defects.push(defect.measured(f64::from(v)));
+            return None;
+        };
+        check_range(0, self.points[first as usize]).is_ok().then_some(first)
+    }
+
+    fn side(&mut self, ends: [u32; 2]) -> &mut Side {
+        let key = edge_key(ends);
+        let next = self.sides.len() as u32;
+        let index = *self.side_of.entry(key).or_insert(next);
+        if index == next {
+            self.sides.push(Side { ends: key, listed: None, facets: Vec::new(), between: Vec::new() });
+        }
+        &mut self.sides[index as usize]
+    }
+
+    fn add_segment(&mut self, index: usize, ends: [u32; 2], defects: &mut Vec<PlcDefect>) {
+        let element = DomainElement::Segment(index);
+        let [a, b] = ends.map(|v| self.named(v, element, defects));
+        let (Some(a), Some(b)) = (a, b) else { return };
+        let place = self.points[a as usize];
+        if a == b {
+            defects.push(PlcDefect::new(PlcDefectKind::NoLength, [element], place));
+            return;
+        }
+        match self.side([a, b]).listed {
+            Some(other) => {
+                let elements = [element, DomainElement::Segment(other)];
+                defects.push(PlcDefect::new(PlcDefectKind::DuplicateSegment, elements, place));
+            }
+            None => self.side([a, b]).listed = Some(index),
+        }
+    }
+
+    fn add_facet(&mut self, plc: &Plc, index: usize, defects: &mut Vec<PlcDefect>) {
+        let element = DomainElement::Facet(index);
+        let facet = &plc.facets[index];
+        if facet.polygons.is_empty() || facet.polygons.iter().any(Vec::is_empty) {
+            defects.push(PlcDefect::new(PlcDefectKind::Empty, [element], DVec3::NAN));
+            return;
+        }
+        if facet.holes.iter().any(|hole| !hole.is_finite()) {
+            defects.push(PlcDefect::new(PlcDefectKind::NotFinite, [element], DVec3::NAN));
+            return;
+        }
+        let mut vertices = Vec::new();
+        let mut sides = Vec::new();
+        let before = defects.len();
+        for polygon in &facet.polygons {
+            let ring: Vec<u32> = polygon.iter().filter_map(|&v| self.named(v, element, defects)).collect();
+            if ring.len() < polygon.len() {
+                // An unusable point has a defect of its own.
+                continue;
+            }
+            for (i, &v) in ring.iter().enumerate() {
+                vertices.push(v);
+                let next = ring[(i + 1) % ring.len()];
+                if v != next {
+                    sides.push(edge_key([v, next]));
+                }
+            }
+        }
+        vertices.sort_unstable();
+        vertices.dedup();
+        sides.sort_unstable();
+        sides.dedup();
+        if defects.len() > before || vertices.is_empty() {
+            return;
+        }
+        let place = |v: u32| plc.points[v as usize];
+        let Some(normal) = facet_normal(&self.points, &vertices) else {
+            defects.push(PlcDefect::new(PlcDefectKind::NoArea, [element], place(vertices[0])));
+            return;
+        };
+        if let Some((v, off)) = off_plane(&self.points, &vertices, normal) {
+            defects.push(PlcDefect::new(PlcDefectKind::NotPlanar, [element], place(v)).measured(off));
+            return;
+        }
+        match triangles_within(&self.points, &vertices, &sides, dominant_axis(normal), &facet.holes) {
+            Ok(triangles) => self.triangles.extend(triangles.into_iter().map(|t| (t, index as u32))),
+            Err(PlanarDefect::Range(v) | PlanarDefect::Crossing([v, _]) | PlanarDefect::SamePlace(v, _)) => {
+                defects.push(PlcDefect::new(PlcDefectKind::CrossingSides, [element], place(v)));
+                return;
+            }
+        }
+        for ends in sides {
+            self.side(ends).facets.push(index as u32);
+        }
+        self.corners[index] = vertices;
+    }
+}
+
+fn check_seeds(plc: &Plc, defects: &mut Vec<PlcDefect>) {
+    if plc.regions.len() > MAX_REGIONS {
+        let defect = PlcDefect::new(PlcDefectKind::TooManyRegions, [DomainElement::Region(MAX_REGIONS)], DVec3::NAN);
+        defects.push(defect.measured(MAX_REGIONS as f64));
+    }
+    let holes = plc.holes.iter().enumerate().map(|(i, &p)| (DomainElement::Hole(i), p));
+    let regions = plc.regions.iter().enumerate().map(|(i, r)| (DomainElement::Region(i), r.point));
+    for (element, point) in holes.chain(regions).filter(|(_, point)| !point.is_finite()) {
+        defects.push(PlcDefect::new(PlcDefectKind::NotFinite, [element], point));
+    }
+}

@@ -1,0 +1,218 @@
+//! Where elements of a complex meet that share nothing: points on segments and facets, segments that cross, segments through facets, facets that
+//! overlap. Candidates come from R-trees of bounding boxes (the `rstar` crate); each pair is then decided exactly.
+//!
+//! Two facets in different planes that meet where they should not have a side of one in the other, so that sides against triangles are
+//! enough; only facets in one plane are compared with each other.
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{RTree, AABB};
+use rustc_hash::FxHashSet;
+
+use super::arrangement::Arrangement;
+use super::defect::{PlcDefect, PlcDefectKind};
+use crate::domain::plc::Plc;
+use crate::geometry::predicates::{collinear, orient2d, orient3d};
+use crate::geometry::Sign;
+use crate::{DVec3, DomainElement};
+
+type Boxed = GeomWithData<Rectangle<[f64; 3]>, u32>;
+
+/// A tree of the bounding boxes of lists of points.
+fn tree<const N: usize>(elements: impl Iterator<Item = [DVec3; N]>) -> RTree<Boxed> {
+    let boxed = |(i, points): (usize, [DVec3; N])| {
+        let low = points.into_iter().reduce(DVec3::min).unwrap_or_default();
+        let high = points.into_iter().reduce(DVec3::max).unwrap_or_default();
+        GeomWithData::new(Rectangle::from_corners(low.to_array(), high.to_array()), i as u32)
+    };
+    RTree::bulk_load(elements.enumerate().map(boxed).collect())
+}
+
+/// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
+pub(super) fn find(plc: &Plc, a: &mut Arrangement, defects: &mut Vec<PlcDefect>) {
+    let sides = tree(a.sides.iter().map(|side| side.ends.map(|v| a.points[v as usize])));
+    let triangles = tree(a.triangles.iter().map(|(triangle, _)| triangle.map(|v| a.points[v as usize])));
+    points_on_sides(a, &sides, defects);
+    points_in_facets(a, &triangles, defects);
+    sides_across_sides(a, &sides, defects);
+    sides_through_facets(a, &sides, &triangles, defects);
+    facets_in_one_plane(plc, a, &triangles, defects);
+}
+
+/// The points that stand for themselves and are fit for the predicates.
+fn usable_points(a: &Arrangement) -> impl Iterator<Item = u32> + '_ {
+    let usable = |&v: &u32| a.first[v as usize] == v && crate::geometry::check_range(0, a.points[v as usize]).is_ok();
+    (0..a.points.len() as u32).filter(usable)
+}
+
+fn at_point(tree: &RTree<Boxed>, p: DVec3) -> Vec<u32> {
+    let mut found: Vec<u32> =
+        tree.locate_in_envelope_intersecting(AABB::from_point(p.to_array())).map(|boxed| boxed.data).collect();
+    found.sort_unstable();
+    found
+}
+
+fn points_on_sides(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+    let mut found = Vec::new();
+    for v in usable_points(a) {
+        let p = a.points[v as usize];
+        for side in at_point(tree, p) {
+            let ends = a.sides[side as usize].ends;
+            let [q, r] = ends.map(|v| a.points[v as usize]);
+            // Within the bounding box and on the line is between the ends.
+            if !ends.contains(&v) && collinear(q, r, p) {
+                let elements = [DomainElement::Point(v as usize), a.sides[side as usize].element()];
+                defects.push(PlcDefect::new(PlcDefectKind::PointOnSegment, elements, p));
+                found.push((side, v));
+            }
+        }
+    }
+    for (side, v) in found {
+        a.sides[side as usize].between.push(v);
+    }
+    let points = &a.points;
+    for side in a.sides.iter_mut().filter(|side| side.between.len() > 1) {
+        let start = points[side.ends[0] as usize];
+        let distance = |&v: &u32| points[v as usize].distance_squared(start);
+        side.between.sort_by(|v, w| distance(v).total_cmp(&distance(w)));
+    }
+}
+
+/// The coordinate to drop so that a triangle keeps an area, and its orientation then.
+pub(crate) fn projection([p, q, r]: [DVec3; 3]) -> Option<(usize, Sign)> {
+    (0..3).map(|axis| (axis, orient2d(axis, p, q, r))).find(|&(_, sign)| sign != Sign::Zero)
+}
+
+/// Whether a point of its plane lies in a triangle, its border included.
+fn in_triangle(triangle: [DVec3; 3], p: DVec3) -> bool {
+    let Some((axis, sign)) = projection(triangle) else { return false };
+    (0..3).all(|i| orient2d(axis, triangle[i], triangle[(i + 1) % 3], p) != -sign)
+}
+
+fn points_in_facets(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+    let mut found = Vec::new();
+    for v in usable_points(a) {
+        let p = a.points[v as usize];
+        for i in at_point(tree, p) {
+            let (triangle, facet) = a.triangles[i as usize];
+            if a.corners[facet as usize].binary_search(&v).is_ok() {
+                continue;
+            }
+            let corners = triangle.map(|v| a.points[v as usize]);
+            if orient3d(corners[0], corners[1], corners[2], p) == Sign::Zero && in_triangle(corners, p) {
+                found.push((facet, v));
+            }
+        }
+    }
+    let mut on_sides: FxHashSet<(u32, u32)> = FxHashSet::default();
+    for side in a.sides.iter().filter(|side| !side.between.is_empty()) {
+        on_sides.extend(side.facets.iter().flat_map(|&facet| side.between.iter().map(move |&v| (facet, v))));
+    }
+    found.retain(|pair| !on_sides.contains(pair));
+    found.sort_unstable();
+    found.dedup();
+    for (facet, v) in found {
+        let elements = [DomainElement::Point(v as usize), DomainElement::Facet(facet as usize)];
+        defects.push(PlcDefect::new(PlcDefectKind::PointOnFacet, elements, a.points[v as usize]));
+        a.inside[facet as usize].push(v);
+    }
+}
+
+/// Pairs of elements whose boxes meet, sorted.
+fn pairs(first: &RTree<Boxed>, second: &RTree<Boxed>, keep: impl Fn(u32, u32) -> bool) -> Vec<(u32, u32)> {
+    let candidates = first.intersection_candidates_with_other_tree(second);
+    let mut pairs: Vec<_> = candidates.map(|(a, b)| (a.data, b.data)).filter(|&(a, b)| keep(a, b)).collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+fn sides_across_sides(a: &Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+    let apart = |i: u32, j: u32| {
+        let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
+        // Sides of one facet are the facet's own affair.
+        i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
+    };
+    for (i, j) in pairs(tree, tree, apart) {
+        let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
+        let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
+        if orient3d(p, q, r, u) != Sign::Zero {
+            continue;
+        }
+        let Some((axis, _)) = projection([p, q, r]).or_else(|| projection([p, q, u])) else { continue };
+        let side = |a, b, c| orient2d(axis, a, b, c) as i8;
+        if side(p, q, r) * side(p, q, u) < 0 && side(r, u, p) * side(r, u, q) < 0 {
+            let place = p + (q - p) * crossing((q - p).cross(u - r), (r - p).cross(u - r));
+            defects.push(PlcDefect::new(PlcDefectKind::SegmentsCross, [s.element(), t.element()], place));
+        }
+    }
+}
+
+/// The fraction `numerator / denominator` of two parallel vectors.
+fn crossing(denominator: DVec3, numerator: DVec3) -> f64 {
+    (numerator.dot(denominator) / denominator.length_squared()).clamp(0.0, 1.0)
+}
+
+fn sides_through_facets(a: &Arrangement, sides: &RTree<Boxed>, triangles: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+    let apart = |i: u32, j: u32| {
+        let (side, (triangle, facet)) = (&a.sides[i as usize], &a.triangles[j as usize]);
+        !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
+    };
+    let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
+    for (i, j) in pairs(sides, triangles, apart) {
+        let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
+        let [p, q] = side.ends.map(|v| a.points[v as usize]);
+        let corners = triangle.map(|v| a.points[v as usize]);
+        let [x, y, z] = corners;
+        if orient3d(x, y, z, p) as i8 * orient3d(x, y, z, q) as i8 >= 0 {
+            continue;
+        }
+        let signs = [orient3d(p, q, x, y), orient3d(p, q, y, z), orient3d(p, q, z, x)].map(|sign| sign as i8);
+        if signs.contains(&1) && signs.contains(&-1) {
+            continue;
+        }
+        let zeros: Vec<usize> = (0..3).filter(|&k| signs[k] == 0).collect();
+        // At a corner, or across a side: the corner lies on the segment, or the sides cross, which is another defect.
+        let across = match zeros[..] {
+            [] => true,
+            [k] => !a.side_of.contains_key(&crate::domain::boundary::edge_key([triangle[k], triangle[(k + 1) % 3]])),
+            _ => false,
+        };
+        if across && found.insert((i, facet)) {
+            let normal = (y - x).cross(z - x);
+            let (above, below) = ((p - x).dot(normal).abs(), (q - x).dot(normal).abs());
+            let place = p + (q - p) * (above / (above + below).max(f64::MIN_POSITIVE));
+            let elements = [side.element(), DomainElement::Facet(facet as usize)];
+            defects.push(PlcDefect::new(PlcDefectKind::SegmentThroughFacet, elements, place));
+        }
+    }
+}
+
+fn facets_in_one_plane(plc: &Plc, a: &Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+    let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
+    let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
+    for (i, j) in pairs(tree, tree, apart) {
+        let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
+        let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));
+        let in_plane = |v: DVec3| orient3d(p[0], p[1], p[2], v) == Sign::Zero;
+        if found.contains(&(f, g)) || !q.into_iter().all(in_plane) || !overlap(p, q) {
+            continue;
+        }
+        found.insert((f, g));
+        let same = a.corners[f as usize] == a.corners[g as usize] && {
+            let sides = |i: u32| plc.facets[i as usize].polygons.iter().map(Vec::len).sum::<usize>();
+            sides(f) == sides(g)
+        };
+        let kind = if same { PlcDefectKind::DuplicateFacet } else { PlcDefectKind::FacetsOverlap };
+        let elements = [DomainElement::Facet(g as usize), DomainElement::Facet(f as usize)];
+        defects.push(PlcDefect::new(kind, elements, (q[0] + q[1] + q[2]) / 3.0));
+    }
+}
+
+/// Whether two triangles of one plane have more than their borders in common: no side of either separates them.
+fn overlap(p: [DVec3; 3], q: [DVec3; 3]) -> bool {
+    let Some((axis, _)) = projection(p) else { return false };
+    let separates = |p: [DVec3; 3], q: [DVec3; 3]| {
+        let sign = orient2d(axis, p[0], p[1], p[2]);
+        (0..3).any(|i| q.into_iter().all(|v| orient2d(axis, p[i], p[(i + 1) % 3], v) != sign))
+    };
+    !separates(p, q) && !separates(q, p)
+}

@@ -1,0 +1,85 @@
+//! What is wrong with a complex, all of it, before anything is built from it.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`defect`] | the kinds of defects, and how each is told |
+//! | `arrangement` | points, segments and triangles of the complex by themselves: duplicates merged, facets triangulated |
+//! | `meet` | which of them meet where they should not: exact predicates on pairs from an R-tree |
+//! | `edges` | open and branching edges, and the smallest angles |
+//!
+//! Whether two elements meet is decided exactly. Only planarity has a tolerance, because points on a slanted plane have no exact coordinates.
+
+pub(crate) mod arrangement;
+pub mod defect;
+mod edges;
+mod meet;
+
+#[cfg(test)]
+mod tests;
+
+pub use defect::{PlcDefect, PlcDefectKind, Severity};
+
+use super::plc::Plc;
+use crate::{DVec3, DomainElement, Error};
+use arrangement::Arrangement;
+
+/// What [`Plc::check`] has found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlcCheck {
+    /// All defects, errors before warnings, in a fixed order.
+    pub defects: Vec<PlcDefect>,
+    /// The smallest angle at which two segments meet, if any do.
+    pub segment_angle: Option<SmallAngle>,
+    /// The smallest angle at which two facets meet along a segment, if any do.
+    pub facet_angle: Option<SmallAngle>,
+}
+
+/// An angle of the input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SmallAngle {
+    /// From 0 to 180.
+    pub degrees: f64,
+    /// The elements that meet there.
+    pub elements: [DomainElement; 2],
+    /// A point where they do.
+    pub place: DVec3,
+}
+
+impl PlcCheck {
+    /// The defects for which the complex can't be meshed.
+    pub fn errors(&self) -> impl Iterator<Item = &PlcDefect> {
+        self.defects.iter().filter(|defect| defect.kind.severity() == Severity::Error)
+    }
+}
+
+impl Plc {
+    /// Finds every defect of the complex and its smallest angles.
+    ///
+    /// Errors are what makes it unusable: numbers that name no point, coordinates out of range, facets that are not planar, that
+    /// have no area or sides that cross, and segments and facets that meet anywhere but at common points and segments. Warnings are what meshing
+    /// copes with but the caller may not have meant: duplicate points, points on segments and facets, edges with one facet or more than two.
+    ///
+    /// Cost: n log n in the size of the complex, and linear in the pairs of elements whose bounding boxes meet.
+    pub fn check(&self) -> PlcCheck {
+        self.examine(true).0
+    }
+
+    /// The complex taken apart, or the first error.
+    pub(crate) fn arrange(&self) -> Result<Arrangement, Error> {
+        let (check, arrangement) = self.examine(false);
+        let first = check.errors().next().map(PlcDefect::error);
+        first.map_or(Ok(arrangement), Err)
+    }
+
+    /// With `all`, also what is no error and only of interest.
+    fn examine(&self, all: bool) -> (PlcCheck, Arrangement) {
+        let mut check = PlcCheck::default();
+        let mut arrangement = Arrangement::new(self, &mut check.defects);
+        meet::find(self, &mut arrangement, &mut check.defects);
+        if all {
+            edges::find(&arrangement, &mut check);
+        }
+        check.defects.sort_by(PlcDefect::order);
+        (check, arrangement)
+    }
+}

@@ -1,0 +1,90 @@
+//! What a split of a boundary element may cost. Near small input angles splits could go on for ever, each smaller than the one that asked for
+//! it. In the analysis of J. R. Shewchuk ("Tetrahedral mesh generation by Delaunay refinement", SoCG 1998) a split that a
+//! bad tetrahedron asks for makes no edge shorter than β/2 times the tetrahedron's shortest, unless input angles are small. So this is
+//! demanded of such a split, and of those that follow from it at acute input vertices: one that can't keep it is left out.
+
+use super::acute::Carrier;
+use super::boundary::{Boundary, ACUTE, SHARP};
+use crate::triangulation::Triangulation;
+use crate::DVec3;
+
+/// What is demanded of a split.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand {
+    /// It shall make no edge shorter than this.
+    pub length: f64,
+    /// It follows from another split. Then this counts at acute vertices only: elsewhere the input bounds the lengths.
+    pub follows: bool,
+}
+
+impl Demand {
+    /// Nothing.
+    pub const NONE: Demand = Demand { length: 0.0, follows: false };
+
+    /// For a split that shall make no edge shorter than this.
+    pub fn of(length: f64) -> Demand {
+        Demand { length, follows: false }
+    }
+
+    /// For splits that follow from one with this demand.
+    pub fn following(self) -> Demand {
+        Demand { follows: true, ..self }
+    }
+}
+
+/// The cosine of 10°: corners at which segments meet at a smaller angle are needles.
+const NEEDLE: f64 = 0.9848;
+
+/// No split of what meets at a needle is finer than this part of its distance from the corner.
+const AT_NEEDLE: f64 = 0.12;
+
+/// On the shells around an acute vertex a segment is split between a third and two thirds of its length, not in the middle.
+const OFF_MIDDLE: f64 = 0.6;
+
+/// At an acute vertex no split comes nearer than this part of the room that it had.
+const ROOM: f64 = 0.25;
+
+impl Boundary {
+    /// Whether an element must stay as it is, given whether it is in the triangulation.
+    pub(crate) fn keeps(&self, exists: bool) -> bool {
+        self.kept && exists && !self.recovering
+    }
+
+    /// The length that a demand comes to for an element with these corners. At an acute vertex it is at least a part of the distance
+    /// that the nearest vertex had when the boundary had been recovered.
+    pub(crate) fn demanded(&self, demand: Demand, corners: &[u32]) -> f64 {
+        let acute = corners.iter().filter(|&&v| self.kind(v) & ACUTE != 0);
+        let room = acute.map(|v| self.room_at.get(v).copied().unwrap_or(0.0)).reduce(f64::max);
+        match room {
+            Some(room) => (OFF_MIDDLE * demand.length).max(ROOM * room),
+            None if demand.follows && !corners.iter().any(|&v| self.kind(v) & SHARP != 0) => 0.0,
+            None => demand.length,
+        }
+    }
+
+    /// Near a corner at which segments meet at a very small angle, splits of what meets there must not be finer than this. There the distances between
+    /// elements are far smaller than their distance from the corner, and well-spaced points would be as many as the angle is small.
+    pub(crate) fn needle_floor(&self, t: &Triangulation, carrier: Carrier, p: DVec3) -> f64 {
+        let corners = self.corners(&carrier).iter();
+        let needles = corners.filter(|&&v| self.sharpness(v) > NEEDLE);
+        needles.map(|&v| AT_NEEDLE * t.at(v).distance(p)).fold(0.0, f64::max)
+    }
+
+    /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.
+    pub(crate) fn find_room(&mut self, t: &Triangulation) {
+        let room = |&v: &u32| t.nearest_neighbour(v).map(|w| (v, t.at(v).distance(t.at(w))));
+        self.room_at = self.shortest_at.keys().filter_map(room).collect();
+    }
+
+    /// Whether a subsegment exists and its split is not known to miss the demand.
+    pub(crate) fn waits_segment(&self, edge: [u32; 2], demand: Demand) -> bool {
+        let blocked = |&reach: &f64| reach < self.demanded(demand, &edge);
+        self.subsegments.contains_key(&edge) && !self.blocked_segments.get(&edge).is_some_and(blocked)
+    }
+
+    /// Whether a subfacet exists and its split is not known to miss the demand.
+    pub(crate) fn waits_facet(&self, face: [u32; 3], demand: Demand) -> bool {
+        let blocked = |&reach: &f64| reach < self.demanded(demand, &face);
+        self.subfacets.contains_key(&face) && !self.blocked_facets.get(&face).is_some_and(blocked)
+    }
+}

@@ -1,0 +1,181 @@
+//! A facet's own plane: its normal, and the triangles that fill its polygons, from a planar constrained triangulation (the `spade` crate).
+//! Vertices are positions in `points`.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+
+use crate::geometry::predicates::collinear;
+
+/// How far a facet's points may lie off its plane, relative to its size. Points of a slanted plane have no exact coordinates.
+pub const PLANARITY: f64 = 1e-9;
+
+/// Why a facet can't be triangulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanarDefect {
+    /// Two corners fall on one place of the plane.
+    SamePlace(u32, u32),
+    /// This side crosses another one.
+    Crossing([u32; 2]),
+    /// The planar triangulation refused a coordinate.
+    Range(u32),
+}
+
+/// A normal of the plane that the vertices span, from the corner triple of the largest area found by two scans.
+pub fn facet_normal(points: &[DVec3], vertices: &[u32]) -> Option<DVec3> {
+    let at = |v: u32| points[v as usize];
+    let origin = at(*vertices.first()?);
+    let by = |f: &dyn Fn(DVec3) -> f64| vertices.iter().map(|&v| at(v)).max_by(|&a, &b| f(a).total_cmp(&f(b)));
+    let far = by(&|p| p.distance_squared(origin))?;
+    let third = by(&|p| (p - origin).cross(far - origin).length_squared())?;
+    if collinear(origin, far, third) {
+        return None;
+    }
+    (far - origin).cross(third - origin).try_normalize()
+}
+
+/// The vertex that lies too far off the plane, and how far.
+pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3) -> Option<(u32, f64)> {
+    let origin = points[vertices[0] as usize];
+    let size = vertices.iter().map(|&v| points[v as usize].distance(origin)).fold(0.0, f64::max);
+    let off = vertices.iter().map(|&v| (v, (points[v as usize] - origin).dot(normal).abs()));
+    off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > PLANARITY * size)
+}
+
+/// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed.
+pub fn triangles_within(
+    points: &[DVec3],
+    vertices: &[u32],
+    constraints: &[[u32; 2]],
+    axis: usize,
+    holes: &[DVec3],
+) -> Result<Vec<[u32; 3]>, PlanarDefect> {
+    // The commonest facet needs no machinery.
+    if let (&[a, b, c], 3, []) = (vertices, constraints.len(), holes) {
+        if constraints.iter().all(|e| e[0] != e[1] && vertices.contains(&e[0]) && vertices.contains(&e[1])) {
+            return Ok(vec![[a, b, c]]);
+        }
+    }
+    let at = |v: u32| points[v as usize];
+    let project = |p: DVec3| Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3]);
+    let mut planar: ConstrainedDelaunayTriangulation<Point2<f64>> = ConstrainedDelaunayTriangulation::new();
+    let mut handle_of = FxHashMap::default();
+    let mut vertex_of = FxHashMap::default();
+    for &v in vertices {
+        let handle = planar.insert(project(at(v))).map_err(|_| PlanarDefect::Range(v))?;
+        handle_of.insert(v, handle);
+        if let Some(other) = vertex_of.insert(handle, v) {
+            return Err(PlanarDefect::SamePlace(other, v));
+        }
+    }
+    for &[a, b] in constraints {
+        let (from, to) = (handle_of[&a], handle_of[&b]);
+        if !planar.can_add_constraint(from, to) {
+            return Err(PlanarDefect::Crossing([a, b]));
+        }
+        planar.add_constraint(from, to);
+    }
+    let mut outside = vec![false; planar.num_all_faces()];
+    let mut queue = vec![planar.outer_face().fix()];
+    for &hole in holes {
+        if let spade::PositionInTriangulation::OnFace(face) = planar.locate(project(hole)) {
+            // Any edge knows its face in the form that includes the outer one.
+            queue.push(planar.face(face).adjacent_edge().face().fix());
+        }
+    }
+    let neighbours: FxHashMap<_, Vec<_>> = planar.directed_edges().fold(FxHashMap::default(), |mut map, edge| {
+        if !edge.is_constraint_edge() {
+            map.entry(edge.face().fix()).or_insert_with(Vec::new).push(edge.rev().face().fix());
+        }
+        map
+    });
+    while let Some(face) = queue.pop() {
+        if !std::mem::replace(&mut outside[face.index()], true) {
+            queue.extend(neighbours.get(&face).into_iter().flatten().copied());
+        }
+    }
+    Ok(planar
+        .inner_faces()
+        .filter(|face| !outside[face.fix().index()])
+        .map(|face| face.vertices().map(|v| vertex_of[&v.fix()]))
+        .collect())
+}
+
+/// The area of a facet's triangles; none when it can't be triangulated.
+pub fn area(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<f64> {
+    let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut sides = Vec::new();
+    for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
+        sides.extend(
+            (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])),
+        );
+    }
+    sides.sort_unstable();
+    sides.dedup();
+    let axis = super::facet::dominant_axis(facet_normal(points, &vertices)?);
+    let triangles = triangles_within(points, &vertices, &sides, axis, &facet.holes).ok()?;
+    let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
+    Some(corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum())
+}
+
+/// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.
+pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]) -> Vec<DVec3> {
+    let points = &plc.points;
+    let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let Some(normal) = facet_normal(points, &vertices) else { return Vec::new() };
+    let axis = super::facet::dominant_axis(normal);
+    let mut constraints: Vec<[u32; 2]> = Vec::new();
+    for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
+        for i in 0..polygon.len() {
+            constraints.push(super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]]));
+        }
+    }
+    constraints.sort_unstable();
+    constraints.dedup();
+    // A member lies on one side of each of its sides that stay. The triangle there belongs to the facet if it is on that side.
+    let mut inner: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+    for &member in members {
+        let polygon = &plc.facets[member as usize].polygons[0];
+        let Ok(own) = triangles_of(points, polygon, axis) else { return Vec::new() };
+        for triangle in own {
+            for i in 0..3 {
+                let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
+                inner.insert(side, triangle[(i + 2) % 3]);
+            }
+        }
+    }
+    let Ok(triangles) = triangles_within(points, &vertices, &constraints, axis, &[]) else { return Vec::new() };
+    let side_of = |a: u32, b: u32, c: u32| {
+        crate::geometry::predicates::orient2d(axis, points[a as usize], points[b as usize], points[c as usize])
+    };
+    let mut seeds = Vec::new();
+    for triangle in triangles {
+        let outer = (0..3).any(|i| {
+            let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
+            let kept = constraints.binary_search(&side).is_ok();
+            kept && inner.get(&side).is_some_and(|&apex| {
+                side_of(side[0], side[1], apex) != side_of(side[0], side[1], triangle[(i + 2) % 3])
+            })
+        });
+        if outer {
+            let [a, b, c] = triangle.map(|v| points[v as usize]);
+            seeds.push((a + b + c) / 3.0);
+        }
+    }
+    seeds
+}
+
+fn triangles_of(points: &[DVec3], polygon: &[u32], axis: usize) -> Result<Vec<[u32; 3]>, PlanarDefect> {
+    let mut vertices = polygon.to_vec();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut sides: Vec<[u32; 2]> =
+        (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])).collect();
+    sides.sort_unstable();
+    sides.dedup();
+    triangles_within(points, &vertices, &sides, axis, &[])
+}

@@ -1,0 +1,286 @@
+//! Domains of all kinds, each meshed and then checked against its own description: volume, area of each facet, validity, bound.
+
+use crate::geometry::quality::exceeds_radius_edge;
+use crate::refine::Unrefined;
+use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcRegion, PlcSegment, RefineOptions, RefineReport};
+
+fn facet(polygon: impl IntoIterator<Item = u32>, marker: i32) -> PlcFacet {
+    PlcFacet { polygons: vec![polygon.into_iter().collect()], marker, ..PlcFacet::default() }
+}
+
+/// The prism over a polygon in the plane z = 0, its corners in order.
+fn prism(outline: &[[f64; 2]], height: f64) -> Plc {
+    let n = outline.len() as u32;
+    let at = |z: f64| outline.iter().map(move |&[x, y]| DVec3::new(x, y, z));
+    let mut facets = vec![facet(0..n, 1), facet(n..2 * n, 2)];
+    facets.extend((0..n).map(|i| facet([i, (i + 1) % n, n + (i + 1) % n, n + i], 3 + i as i32)));
+    Plc { points: at(0.0).chain(at(height)).collect(), facets, ..Plc::default() }
+}
+
+fn add(plc: &mut Plc, points: &[[f64; 3]]) -> u32 {
+    let first = plc.points.len() as u32;
+    plc.points.extend(points.iter().copied().map(DVec3::from));
+    first
+}
+
+fn polygon_area(plc: &Plc, polygon: &[u32]) -> f64 {
+    let at = |v: u32| plc.points[v as usize] - plc.points[polygon[0] as usize];
+    let cross = (0..polygon.len()).map(|i| at(polygon[i]).cross(at(polygon[(i + 1) % polygon.len()])));
+    0.5 * cross.sum::<DVec3>().length()
+}
+
+/// Meshes a domain of single polygons and checks all that can be checked.
+fn meshed(plc: &Plc, beta: f64, volume: f64) -> (Mesh, RefineReport) {
+    assert!(plc.check().errors().next().is_none());
+    let mut mesh = Mesh::from_plc(plc, &Control::new()).unwrap();
+    mesh.validate(3).unwrap();
+    let options = RefineOptions { radius_edge: beta, max_vertices: 200_000, ..RefineOptions::default() };
+    let report = mesh.refine(&options, &Control::new()).unwrap();
+    mesh.validate(3).unwrap();
+    let view = mesh.view();
+    let corners = |t: &[u32; 4]| t.map(|v| view.points[v as usize]);
+    let six = |t: &[u32; 4]| {
+        let [a, b, c, d] = corners(t);
+        (b - a).cross(c - a).dot(d - a)
+    };
+    assert!(view.tetrahedra.iter().all(|t| crate::geometry::predicates::orient3d(
+        view.points[t[0] as usize],
+        view.points[t[1] as usize],
+        view.points[t[2] as usize],
+        view.points[t[3] as usize]
+    ) == crate::geometry::Sign::Positive));
+    let found = view.tetrahedra.iter().map(six).sum::<f64>() / 6.0;
+    assert!((found / volume - 1.0).abs() < 1e-9, "volume {found}, expected {volume}");
+    // Each facet is covered by its subfacets, and only once.
+    let boundary = mesh.boundary().unwrap();
+    let mut areas = vec![0.0; plc.facets.len()];
+    for (face, facet) in boundary.subfacets() {
+        let [a, b, c] = face.map(|v| view.points[v as usize]);
+        areas[facet as usize] += 0.5 * (b - a).cross(c - a).length();
+    }
+    for (i, (facet, area)) in plc.facets.iter().zip(&areas).enumerate() {
+        let expected = polygon_area(plc, &facet.polygons[0]);
+        assert!((area / expected - 1.0).abs() < 1e-9, "facet {i} has area {area}, expected {expected}");
+    }
+    let bad = view.tetrahedra.iter().filter(|t| exceeds_radius_edge(corners(t), beta)).count();
+    assert_eq!(report.bad, bad);
+    assert_eq!(report.unrefined.iter().sum::<usize>(), bad);
+    for reason in [Unrefined::Limit, Unrefined::MinEdge] {
+        assert_eq!(report.unrefined[reason as usize], 0, "{report:?}");
+    }
+    (mesh, report)
+}
+
+#[test]
+fn an_l_shape() {
+    let plc = prism(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]], 1.0);
+    assert_eq!(meshed(&plc, 1.2, 3.0).1.bad, 0);
+    assert_eq!(meshed(&plc, 2.0, 3.0).1.bad, 0);
+}
+
+#[test]
+fn a_box_with_a_cavity() {
+    let mut plc = Plc::boxed(DVec3::ZERO, DVec3::splat(4.0), []);
+    let inner = Plc::boxed(DVec3::new(1.0, 1.0, 1.0), DVec3::new(2.0, 3.0, 2.5), []);
+    let base = plc.points.len() as u32;
+    plc.points.extend(inner.points);
+    plc.facets.extend(inner.facets.iter().map(|f| facet(f.polygons[0].iter().map(|v| base + v), 0)));
+    plc.holes.push(DVec3::new(1.5, 2.0, 2.0));
+    assert_eq!(meshed(&plc, 2.0, 61.0).1.bad, 0);
+    plc.holes.clear();
+    plc.regions.push(PlcRegion { point: DVec3::new(1.5, 2.0, 2.0), attribute: 1.0, max_volume: None });
+    let (mesh, report) = meshed(&plc, 2.0, 64.0);
+    assert_eq!(report.bad, 0);
+    assert!(mesh.view().regions.contains(&0) && mesh.view().regions.contains(&1));
+}
+
+/// Two boxes one above the other with one facet between them.
+fn two_boxes() -> Plc {
+    let mut plc = prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 1.0);
+    add(&mut plc, &[[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0]]);
+    plc.facets.push(facet(8..12, 7));
+    plc.facets.extend((0..4).map(|i| facet([4 + i, 4 + (i + 1) % 4, 8 + (i + 1) % 4, 8 + i], 8 + i as i32)));
+    for (z, volume) in [(0.5, None), (1.5, Some(0.01))] {
+        plc.regions.push(PlcRegion { point: DVec3::new(0.5, 0.5, z), attribute: z, max_volume: volume });
+    }
+    plc
+}
+
+#[test]
+fn two_boxes_sharing_a_facet() {
+    let (mesh, report) = meshed(&two_boxes(), 2.0, 2.0);
+    assert_eq!((report.bad, report.too_large), (0, 0));
+    let view = mesh.view();
+    let of_region = |region| view.regions.iter().filter(move |&&r| r == region).count();
+    // The upper one asks for small tetrahedra.
+    assert!(of_region(2) >= 100 && of_region(1) < of_region(2), "{} {}", of_region(1), of_region(2));
+    assert_eq!(of_region(0), 0);
+}
+
+#[test]
+fn a_wedge_of_five_degrees() {
+    let (sin, cos) = 5f64.to_radians().sin_cos();
+    let plc = prism(&[[0.0, 0.0], [1.0, 0.0], [cos, sin]], 1.0);
+    let (_, report) = meshed(&plc, 2.0, 0.5 * sin);
+    assert!(report.vertices < 200, "{report:?}");
+}
+
+#[test]
+fn a_dangling_segment_and_facet() {
+    let mut plc = Plc::boxed(DVec3::ZERO, DVec3::splat(4.0), []);
+    let base = add(&mut plc, &[[1.0, 1.0, 1.0], [2.0, 3.0, 2.0], [3.0, 1.0, 1.0], [3.0, 3.0, 1.5], [3.0, 2.0, 3.0]]);
+    plc.segments.push(PlcSegment { ends: [base, base + 1], marker: 5 });
+    plc.facets.push(facet(base + 2..base + 5, 6));
+    let (mesh, report) = meshed(&plc, 2.0, 64.0);
+    assert_eq!(report.bad, 0);
+    let boundary = mesh.boundary().unwrap();
+    let parts = boundary.subsegments().into_iter().filter(|&(_, s)| boundary.segments()[s as usize].marker == 5);
+    let length = |[a, b]: [u32; 2]| mesh.view().points[a as usize].distance(mesh.view().points[b as usize]);
+    assert!((parts.map(|(part, _)| length(part)).sum::<f64>() - 6f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_wall_that_stands_on_a_floor_without_being_a_part_of_it() {
+    let mut plc = Plc::boxed(DVec3::ZERO, DVec3::splat(4.0), []);
+    let base = add(&mut plc, &[[1.0, 1.0, 0.0], [3.0, 1.5, 0.0], [3.0, 1.5, 2.0], [1.0, 1.0, 2.0]]);
+    plc.facets.push(facet(base..base + 4, 0));
+    assert_eq!(meshed(&plc, 2.0, 64.0).1.bad, 0);
+    // And one from corner to corner, all of its ends known to the floor.
+    let mut plc = Plc::boxed(DVec3::ZERO, DVec3::splat(4.0), []);
+    let base = add(&mut plc, &[[2.0, 2.0, 3.0]]);
+    plc.facets.push(facet([0, 3, base], 0));
+    meshed(&plc, 2.0, 64.0);
+}
+
+#[test]
+fn a_star_of_twenty_facets_around_one_segment() {
+    let mut plc = Plc::boxed(DVec3::splat(-2.0), DVec3::splat(2.0), []);
+    let axis = add(&mut plc, &[[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]);
+    for k in 0..20 {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 20.0 + 0.1).sin_cos();
+        // Not all as long.
+        let r = 1.0 + 0.05 * f64::from(k % 7);
+        let base = add(&mut plc, &[[r * cos, r * sin, -1.0], [r * cos, r * sin, 1.0]]);
+        plc.facets.push(facet([axis, axis + 1, base + 1, base], k));
+    }
+    let (_, report) = meshed(&plc, 2.0, 64.0);
+    assert!(report.vertices < 5_000, "{report:?}");
+}
+
+#[test]
+fn a_comb_of_thin_fins() {
+    let count = 5;
+    let mut outline = vec![[0.0, -1.0], [f64::from(count), -1.0], [f64::from(count), 0.0]];
+    for i in (0..count).map(f64::from).rev() {
+        outline.extend([[i + 0.55, 0.0], [i + 0.55, 1.0], [i + 0.45, 1.0], [i + 0.45, 0.0]]);
+    }
+    outline.push([0.0, 0.0]);
+    let (_, report) = meshed(&prism(&outline, 1.0), 2.0, 5.0 + 5.0 * 0.1);
+    assert_eq!(report.bad, 0);
+}
+
+#[test]
+fn a_cone_of_needles() {
+    let count = 24u32;
+    let mut plc = Plc { points: vec![DVec3::new(0.0, 0.0, 5.0)], ..Plc::default() };
+    for k in 0..count {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(count)).sin_cos();
+        plc.points.push(DVec3::new(cos, sin, 0.0));
+        plc.facets.push(facet([0, 1 + k, 1 + (k + 1) % count], 0));
+    }
+    plc.facets.push(facet(1..=count, 1));
+    let base = polygon_area(&plc, &plc.facets[count as usize].polygons[0]);
+    let (_, report) = meshed(&plc, 2.0, base * 5.0 / 3.0);
+    assert!(report.vertices < 5_000, "{report:?}");
+}
+
+#[test]
+fn a_kept_boundary_gets_no_vertices() {
+    let mut plc = two_boxes();
+    add(&mut plc, &[[0.5, 0.5, 0.4], [0.5, 0.51, 0.4]]);
+    plc.regions.clear();
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    let before = mesh.boundary().unwrap().subfacets();
+    let options = RefineOptions { keep_boundary: true, ..RefineOptions::default() };
+    let report = mesh.refine(&options, &Control::new()).unwrap();
+    mesh.validate(3).unwrap();
+    assert_eq!(mesh.boundary().unwrap().subfacets(), before);
+    assert_eq!((report.segment_splits, report.facet_splits), (0, 0));
+    assert_eq!(report.unrefined[Unrefined::Boundary as usize], report.bad);
+    assert!(report.bad > 0 && report.samples > 0, "{report:?}");
+    // Without that wish all of them are mended.
+    assert_eq!(mesh.refine(&RefineOptions::default(), &Control::new()).unwrap().bad, 0);
+}
+
+#[test]
+fn sizes_of_all_kinds() {
+    use crate::Sizing;
+    let mut plc = two_boxes();
+    plc.regions.iter_mut().for_each(|region| region.max_volume = None);
+    let refined = |sizing: &Sizing| {
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let report = mesh.refine_sized(&RefineOptions::default(), sizing, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+        assert_eq!((report.bad, report.too_large), (0, 0));
+        mesh
+    };
+    let longest = |mesh: &Mesh, keep: &dyn Fn(DVec3) -> bool| {
+        let view = mesh.view();
+        let shapes = view.tetrahedra.iter().map(|t| t.map(|v| view.points[v as usize]));
+        let shapes = shapes.filter(|shape| keep(shape.iter().copied().sum::<DVec3>() / 4.0));
+        let edges = shapes.flat_map(|s| crate::geometry::quality::EDGES.map(|[i, j]| s[i].distance(s[j])));
+        edges.fold(0.0, f64::max)
+    };
+    let uniform = refined(&Sizing { uniform: 0.4, ..Sizing::default() });
+    assert!(longest(&uniform, &|_| true) <= 0.4);
+    let by_region = refined(&Sizing { regions: &[0.0, 0.3], ..Sizing::default() });
+    assert!(longest(&by_region, &|p| p.z > 1.0) <= 0.3 && longest(&by_region, &|p| p.z < 0.7) > 0.4);
+    let callback = |points: &[DVec3], sizes: &mut [f64]| {
+        for (p, size) in points.iter().zip(sizes) {
+            *size = 0.2 + 0.4 * p.z;
+        }
+    };
+    let graded = refined(&Sizing { callback: Some(&callback), ..Sizing::default() });
+    assert!(longest(&graded, &|p| p.z < 0.5) <= 0.4 && longest(&graded, &|p| p.z > 1.5) > 0.4);
+    let sizes: Vec<f64> = plc.points.iter().map(|p| 0.2 + 0.4 * p.z).collect();
+    let by_vertex = refined(&Sizing { vertices: &sizes, ..Sizing::default() });
+    assert!(longest(&by_vertex, &|p| p.z < 0.5) < longest(&by_vertex, &|p| p.z > 1.5));
+    assert!(by_vertex.view().tetrahedra.len() > 100);
+}
+
+#[test]
+fn coplanar_facets_are_joined_and_nothing_else_changes() {
+    // A box whose sides are cut in triangles, one of them around a point in its middle.
+    let mut plc = Plc::boxed(DVec3::ZERO, DVec3::ONE, []);
+    let sides: Vec<Vec<u32>> = plc.facets.drain(..).map(|f| f.polygons[0].clone()).collect();
+    let middle = add(&mut plc, &[[0.5, 0.5, 0.0]]);
+    for (i, side) in sides.iter().enumerate() {
+        match i {
+            0 => plc.facets.extend((0..4).map(|k| facet([side[k], side[(k + 1) % 4], middle], 0))),
+            _ => plc.facets.extend([facet([side[0], side[1], side[2]], 0), facet([side[0], side[2], side[3]], 0)]),
+        }
+    }
+    let apart = plc.clone();
+    let group = plc.join_coplanar(0.01);
+    assert_eq!(plc.facets.len(), 6);
+    assert_eq!(group, [0, 0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
+    assert!(plc.check().errors().next().is_none());
+    let (joined, _) = meshed(&plc, 2.0, 1.0);
+    meshed(&apart, 2.0, 1.0);
+    assert!(joined.triangulation().locate(DVec3::new(0.5, 0.5, 0.0), None) == crate::Location::Vertex(middle));
+    // A segment on a diagonal keeps its two triangles apart; markers do too.
+    let mut marked = apart.clone();
+    let diagonal = [sides[1][0], sides[1][2]];
+    marked.segments.push(PlcSegment { ends: diagonal, marker: 1 });
+    marked.facets[8].marker = 1;
+    marked.join_coplanar(0.01);
+    assert_eq!(marked.facets.len(), 8);
+    // A ring of triangles around a gap stays a ring.
+    let mut ring = Plc::default();
+    add(&mut ring, &[[0., 0., 0.], [3., 0., 0.], [0., 3., 0.], [0.5, 0.5, 0.], [1.5, 0.5, 0.], [0.5, 1.5, 0.]]);
+    for [a, b, c] in [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4], [2, 0, 5], [0, 3, 5]] {
+        ring.facets.push(facet([a, b, c], 0));
+    }
+    ring.join_coplanar(0.01);
+    assert_eq!((ring.facets.len(), ring.facets[0].polygons.len(), ring.facets[0].holes.len()), (1, 2, 1));
+}

@@ -1,0 +1,205 @@
+//! Recovery: what is missing of the boundary is split until nothing is.
+//!
+//! That comes before the refinement, which then keeps every subsegment an edge and every subfacet a face, so that no label can leak from one
+//! side of a facet to the other. Near small input angles, or where vertices lie in the balls of elements that could not be
+//! split, a split may take other elements out. So each split is a transaction: what it has taken out is recovered at once by
+//! further splits, within the same demand, and if that does not succeed in a few of them, all of them are taken back. With the
+//! perturbation of the kernel the triangulation of a set of points is unique, so that removing the vertices again leads back to
+//! what was there before.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::refiner::{watch, Refiner};
+use super::split::{Split, NEVER};
+use crate::domain::boundary::Standing;
+use crate::domain::facet::FacetChange;
+use crate::domain::pending::Demand;
+use crate::triangulation::remove::Replacement;
+use crate::triangulation::topology::tet_of;
+use crate::{Control, Error, RefineStatus};
+
+/// So many splits may follow from one. Most need none, few more than ten.
+const FOLLOWING: usize = 48;
+
+/// A split, to take it back.
+#[derive(Debug)]
+pub struct Record {
+    vertex: u32,
+    /// Whether the vertex was inserted for it.
+    inserted: bool,
+    before: Standing,
+    changes: Vec<(u32, FacetChange)>,
+}
+
+/// A boundary element.
+#[derive(Clone, Copy, Debug)]
+pub enum Element {
+    Segment([u32; 2]),
+    Facet([u32; 3]),
+}
+
+/// What one step of the recovery did.
+enum Step {
+    /// Nothing is missing.
+    Nothing,
+    /// Something was split.
+    Split,
+    /// Something that is missing can't be split.
+    Stuck,
+}
+
+impl Refiner<'_> {
+    /// Splits until nothing is missing. The status is [`RefineStatus::Done`] unless a limit stopped it; an element that can't be split stays
+    /// missing.
+    pub fn recover(&mut self, control: &Control) -> Result<RefineStatus, Error> {
+        self.boundary.recovering = true;
+        let (mut turns, mut first) = (0, Vec::new());
+        let status = loop {
+            if let Some(status) = self.limit(&mut turns, "boundary", control) {
+                break status;
+            }
+            if let Step::Nothing = self.recovery_step(&mut first, Demand::NONE)? {
+                break RefineStatus::Done;
+            }
+        };
+        self.boundary.recovering = false;
+        Ok(status)
+    }
+
+    /// Splits one element that is missing. `first` are subsegments that must be split before what is missing can be.
+    fn recovery_step(&mut self, first: &mut Vec<[u32; 2]>, demand: Demand) -> Result<Step, Error> {
+        let split = if let Some(edge) = self.boundary.pop_missing_segment(self.t) {
+            self.split_segment(edge, demand)?
+        } else if let Some(edge) = first.pop() {
+            if self.boundary.is_subsegment(edge) {
+                self.split_segment(edge, demand)?
+            } else {
+                return Ok(Step::Split);
+            }
+        } else if let Some(face) = self.boundary.pop_missing_facet(self.t) {
+            let split = self.split_facet(face, demand)?;
+            if let Split::After(segments) = split {
+                self.boundary.missing_facets.push_front(face);
+                first.extend(segments);
+                return Ok(Step::Split);
+            }
+            split
+        } else {
+            return Ok(Step::Nothing);
+        };
+        Ok(if split == Split::Blocked { Step::Stuck } else { Step::Split })
+    }
+
+    /// Splits an element; what follows from it is done at once, or all of it is taken back and the element blocked.
+    pub fn transact(&mut self, element: Element, demand: Demand) -> Result<Split, Error> {
+        self.records.clear();
+        let pending = (self.boundary.pending_segments.len(), self.boundary.pending_facets.len());
+        let split = match element {
+            Element::Segment(edge) => self.split_segment(edge, demand)?,
+            Element::Facet(face) => self.split_facet(face, demand)?,
+        };
+        if !self.boundary.misses() {
+            return Ok(split);
+        }
+        let mut first = Vec::new();
+        for _ in 0..FOLLOWING {
+            match self.recovery_step(&mut first, demand.following())? {
+                Step::Nothing => {
+                    let vertices: Vec<u32> = self.records.iter().map(|record| record.vertex).collect();
+                    let stars = vertices.iter().flat_map(|&v| self.t.topology.star(v)).collect();
+                    self.relabel(stars);
+                    return Ok(split);
+                }
+                Step::Split => {}
+                Step::Stuck => break,
+            }
+        }
+        self.take_back()?;
+        self.boundary.pending_segments.truncate(pending.0);
+        self.boundary.pending_facets.truncate(pending.1);
+        Ok(match element {
+            Element::Segment(edge) => self.block_segment(edge, NEVER),
+            Element::Facet(face) => self.block_facet(face, NEVER),
+        })
+    }
+
+    /// Notes a split that was done.
+    pub(super) fn record(&mut self, vertex: u32, inserted: bool, before: Standing, changes: Vec<(u32, FacetChange)>) {
+        if !self.boundary.recovering {
+            self.records.push(Record { vertex, inserted, before, changes });
+        }
+    }
+
+    /// Takes all splits of the transaction back.
+    fn take_back(&mut self) -> Result<(), Error> {
+        self.boundary.missing_segments.clear();
+        self.boundary.missing_facets.clear();
+        let mut changed = Vec::new();
+        while let Some(record) = self.records.pop() {
+            self.boundary.take_back(record.vertex, &record.before, record.changes);
+            if !record.inserted {
+                continue;
+            }
+            let boundary = &*self.boundary;
+            let is_wall = |face: [u32; 3]| boundary.wall(face).is_some();
+            let replacement = Replacement { remove: &[record.vertex], add: None };
+            self.t.preview(&replacement, &is_wall, &mut self.hole)?;
+            self.t.replace(&mut self.hole)?;
+            match record.before.edge {
+                Some(_) => self.segment_splits -= 1,
+                None => self.facet_splits -= 1,
+            }
+            changed.extend_from_slice(&self.hole.created);
+        }
+        changed.retain(|&tet| self.t.topology.tet(tet).is_live());
+        self.relabel(changed);
+        Ok(())
+    }
+
+    /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
+    /// side. All others have the right ones.
+    fn relabel(&mut self, mut order: Vec<u32>) {
+        let mut changed: FxHashSet<u32> = FxHashSet::default();
+        order.retain(|&tet| changed.insert(tet));
+        if self.t.topology.region.is_empty() {
+            watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
+            return;
+        }
+        let mut labels: FxHashMap<u32, u16> = FxHashMap::default();
+        for &seed in &order {
+            if labels.contains_key(&seed) {
+                continue;
+            }
+            // A part that subfacets and tetrahedra that have not changed bound, and the label of one of these.
+            let (mut part, mut next, mut label) = (vec![seed], 0, None);
+            labels.insert(seed, 0);
+            while next < part.len() {
+                let tet = *self.t.topology.tet(part[next]);
+                next += 1;
+                for slot in 0..4 {
+                    let across = tet_of(tet.n[slot]);
+                    if labels.contains_key(&across) && changed.contains(&across)
+                        || self.boundary.is_subfacet(tet.face(slot))
+                    {
+                        continue;
+                    }
+                    if changed.contains(&across) {
+                        labels.insert(across, 0);
+                        part.push(across);
+                    } else {
+                        label = label.or(self.t.topology.region.get(across as usize).copied());
+                    }
+                }
+            }
+            // None at all: subfacets enclose it, and what it was must do.
+            let label = label.unwrap_or(self.t.topology.region[seed as usize]);
+            for tet in part {
+                labels.insert(tet, label);
+            }
+        }
+        for tet in &order {
+            self.t.topology.region[*tet as usize] = labels[tet];
+        }
+        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
+    }
+}
