@@ -190,7 +190,7 @@ impl Boundary {
         self.subfacets.get(&face_key(face)).copied()
     }
 
-    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon. `found` is filled, in a fixed order.
+    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon. `found` is filled, in order of ids.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
         for &tet in &cavity.tets {
@@ -224,6 +224,9 @@ impl Boundary {
                 }
             }
         }
+        // Not in the order of storage.
+        found.segments.sort_unstable();
+        found.facets.sort_unstable();
     }
 
     /// Queues what of these elements still exists and can be split.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::refiner::Refiner;
-use crate::domain::boundary::{edge_key, face_key};
+use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::flush_tiny;
 use crate::Error;
@@ -34,7 +34,9 @@ impl Refiner<'_> {
                 let p = self.t.at(existing);
                 let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, existing, p);
                 let star = self.t.topology.star(existing);
+                let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, existing, &changes, &star);
+                self.sort_pending(pending);
                 Ok(Split::Done(existing))
             }
             (false, Ok(())) => {
@@ -42,8 +44,10 @@ impl Refiner<'_> {
                 let next = self.t.next_vertex();
                 let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
                 let new = self.insert_prepared(p)?;
+                let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
                 self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
+                self.sort_pending(pending);
                 self.finish();
                 self.segment_splits += 1;
                 Ok(Split::Done(new))
@@ -84,11 +88,28 @@ impl Refiner<'_> {
         };
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
+        let pending = self.pending();
         self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
         self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
+        self.sort_pending(pending);
         self.finish();
         self.facet_splits += 1;
         Ok(Split::Done(new))
+    }
+
+    fn pending(&self) -> [usize; 2] {
+        [self.boundary.pending_segments.len(), self.boundary.pending_facets.len()]
+    }
+
+    /// What one split has queued, in order of ids instead of storage.
+    fn sort_pending(&mut self, [segments, facets]: [usize; 2]) {
+        let Boundary { pending_segments, pending_facets, .. } = &mut *self.boundary;
+        if pending_segments.len() > segments + 1 {
+            pending_segments.make_contiguous()[segments..].sort_unstable();
+        }
+        if pending_facets.len() > facets + 1 {
+            pending_facets.make_contiguous()[facets..].sort_unstable();
+        }
     }
 
     fn block_facet(&mut self, face: [u32; 3]) -> Split {
