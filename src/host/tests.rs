@@ -148,6 +148,46 @@ fn the_hosts_loop_ends_near_the_refinements_count() {
     assert!(rounds * 10 <= sequential * 11, "{rounds} Steiner points in rounds, {sequential} one by one");
 }
 
+/// A round mends what lies at about one length, so rounds go with the logarithm of the lengths between the smallest feature and the
+/// domain, and not with the number of vertices.
+#[test]
+fn rounds_grow_with_the_logarithm_of_the_sizes() {
+    let rounds = |points: &[DVec3]| Host::new(points).refine(&StepOptions::default());
+    // Two points at distance 1 in cubes of side 2^k: 8 doublings more cost about as many rounds each time.
+    let pair = [DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
+    let wide: Vec<usize> = [8, 16, 24, 32].map(|k| rounds(&boxed(&pair, f64::exp2(f64::from(k))))).to_vec();
+    for (step, pair) in wide.windows(2).enumerate() {
+        assert!(pair[1] > pair[0] && pair[1] - pair[0] <= 8 * 9, "{wide:?} at step {step}");
+    }
+    // The same features in many places: four times as many points, not even twice the rounds.
+    let many: Vec<usize> = [200, 800, 3200].map(|n| rounds(&boxed(&random_points(n, 7), 1.5))).to_vec();
+    assert!(many[2] < 2 * many[0], "{many:?}");
+}
+
+/// The hull of bare random points has angles below 60°. Its own splits and the samples between its facets must not call each other for ever.
+#[test]
+fn hulls_with_small_angles_end_too() {
+    for seed in 0..12 {
+        for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
+            let mut host = Host::new(&random_points(40, seed));
+            let options = StepOptions { radius_edge: 2.0, rule };
+            let mut left = None;
+            for _ in 0..1000 {
+                let batch = host.round(&options);
+                if batch.points.is_empty() {
+                    left = Some((batch.bad_edges.len(), batch.refused));
+                    break;
+                }
+                for point in &batch.points {
+                    host.t.insert(point.position, None).unwrap();
+                }
+            }
+            let (bad, refused) = left.unwrap_or_else(|| panic!("no end: seed {seed}, {rule:?}"));
+            assert!(bad == 0 || refused > 0, "seed {seed}, {rule:?}: {bad} bad edges that nobody has refused");
+        }
+    }
+}
+
 /// Where facets are slanted their splits lie off the plane by rounding. A host that remembers which facets a vertex lies on knows the
 /// flat tetrahedra that this makes, and the facet of every face.
 #[test]
