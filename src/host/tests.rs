@@ -164,30 +164,6 @@ fn rounds_grow_with_the_logarithm_of_the_sizes() {
     assert!(many[2] < 2 * many[0], "{many:?}");
 }
 
-/// The hull of bare random points has angles below 60°. Its own splits and the samples between its facets must not call each other for ever.
-#[test]
-fn hulls_with_small_angles_end_too() {
-    for seed in 0..12 {
-        for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
-            let mut host = Host::new(&random_points(40, seed));
-            let options = StepOptions { radius_edge: 2.0, rule };
-            let mut left = None;
-            for _ in 0..1000 {
-                let batch = host.round(&options);
-                if batch.points.is_empty() {
-                    left = Some((batch.bad_edges.len(), batch.refused));
-                    break;
-                }
-                for point in &batch.points {
-                    host.t.insert(point.position, None).unwrap();
-                }
-            }
-            let (bad, refused) = left.unwrap_or_else(|| panic!("no end: seed {seed}, {rule:?}"));
-            assert!(bad == 0 || refused > 0, "seed {seed}, {rule:?}: {bad} bad edges that nobody has refused");
-        }
-    }
-}
-
 /// Where facets are slanted their splits lie off the plane by rounding. A host that remembers which facets a vertex lies on knows the
 /// flat tetrahedra that this makes, and the facet of every face.
 #[test]
