@@ -381,6 +381,35 @@ static void test_sampler(void) {
         CHECK(fabs(out[3 * i + 2] - 0.5) < 1e-9);
         CHECK(hypot(out[3 * i], out[3 * i + 1]) > sqrt(3.75));
     }
+    {
+        /* A tetrahedron of that edge: the same batch by the sampled rules, its own circumcentre by the third. */
+        double corners[12], same[3 * 16];
+        size_t k;
+        wsp_sampler_options circumcenters;
+        for (k = 0; k < 3; ++k) {
+            corners[k] = p[k];
+            corners[3 + k] = q[k];
+            corners[6 + k] = ring[k];
+            corners[9 + k] = ring[3 + k];
+        }
+        DONE(wsp_sample_tetrahedron(corners, ring, 4, 1, NULL, same, 16, &all));
+        CHECK(all == count && memcmp(same, out, 3 * count * sizeof *out) == 0);
+        DONE(wsp_sampler_options_init(&circumcenters, sizeof circumcenters));
+        circumcenters.rule = WSP_RULE_CIRCUMCENTER;
+        DONE(wsp_sample_tetrahedron(corners, NULL, 0, 0, &circumcenters, same, 16, &all));
+        CHECK(all == 1);
+        for (i = 1; i < 4 && all == 1; ++i) {
+            double first = 0, other = 0;
+            for (k = 0; k < 3; ++k) {
+                first += (same[k] - corners[k]) * (same[k] - corners[k]);
+                other += (same[k] - corners[3 * i + k]) * (same[k] - corners[3 * i + k]);
+            }
+            CHECK(fabs(first - other) < 1e-9 * first);
+        }
+        STATUS(WSP_ERR_ARGUMENT, wsp_sample_tetrahedron(corners, ring, 1, 0, NULL, same, 16, &all));
+        STATUS(WSP_ERR_NULL, wsp_sample_tetrahedron(NULL, ring, 4, 1, NULL, same, 16, &all));
+        STATUS(WSP_ERR_NULL, wsp_sample_tetrahedron(corners, ring, 4, 1, NULL, same, 16, NULL));
+    }
     STATUS(WSP_ERR_ARGUMENT, wsp_sample_edge(p, p, ring, 4, 1, NULL, out, 16, &count));
     STATUS(WSP_ERR_ARGUMENT, wsp_is_bad_edge(p, q, ring, 4, 2, 2, &bad));
 }

@@ -224,6 +224,7 @@ void test_sampler() {
     const auto samples = wsp::sample_edge(p, q, wide, true, wsp::sampler_options(2));
     CHECK(!samples.empty());
     for (const auto& s : samples) CHECK(std::abs(s[2] - 0.5) < 1e-9 && std::hypot(s[0], s[1]) > std::sqrt(3.75));
+    CHECK(wsp::sample_tetrahedron({p, q, wide[0], wide[1]}, wide, true, wsp::sampler_options(2)) == samples);
     CHECK(thrown([&] { wsp::sample_edge(p, p, wide, true); }) == WSP_ERR_ARGUMENT);
 }
 

@@ -1524,6 +1524,29 @@ wsp_status wsp_sample_edge(const double p[3],
                            size_t *count);
 
 /**
+ * The Steiner batch for a bad tetrahedron of any Delaunay triangulation, as the refinement makes it: wsp_sample_edge for hosts that
+ * know which tetrahedron they mend.
+ *
+ * `corners_xyz` are its four corners, twelve doubles, the first two the ends of its shortest edge. `link_xyz`, `n` and `closed` are that
+ * edge's link as for wsp_sample_edge, or the part of it on this tetrahedron's side of the domain's boundary, as a chain; with
+ * WSP_RULE_CIRCUMCENTER they are not looked at, and NULL and 0 will do. The tetrahedron is not judged: one that is not bad
+ * may have points too. Where the rule has no points for the edge, the batch is the circumcentre. The order of the first two corners and
+ * that of the last two decide about the last digits: the refinement takes lower ids first. Output as for wsp_sample_edge.
+ *
+ * Cost: linear in n, less than wsp_sample_edge. May be called from any thread at any time.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE,
+ * WSP_ERR_ARGUMENT (the first two corners are the same, too few link vertices, `closed` neither 0 nor 1).
+ */
+wsp_status wsp_sample_tetrahedron(const double *corners_xyz,
+                                  const double *link_xyz,
+                                  size_t n,
+                                  uint32_t closed,
+                                  const struct wsp_sampler_options *options,
+                                  double *out_xyz,
+                                  size_t capacity,
+                                  size_t *count);
+
+/**
  * Whether edge p q of any Delaunay triangulation is bad: `*bad` becomes 1 if its Voronoi facet is not within its core
  * disk, else 0. Arguments as for wsp_sample_edge; `radius_edge` is the bound.
  *

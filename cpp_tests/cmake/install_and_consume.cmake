@@ -51,8 +51,8 @@ if(ROUTE STREQUAL layout)
     message(FATAL_ERROR "installed outside the prefix: ${top}")
   endif()
   file(GLOB_RECURSE files RELATIVE ${WORK}/stage/usr ${WORK}/stage/usr/*)
-  foreach(wanted include/wellspaced.h include/wellspaced/wellspaced.hpp include/wellspaced/cgal.hpp
-                 include/wellspaced/cgal/boundary.hpp libwellspaced.so libwellspaced.so.0 libwellspaced.a
+  file(GLOB_RECURSE headers RELATIVE ${SOURCE} ${SOURCE}/include/*.h ${SOURCE}/include/*.hpp)
+  foreach(wanted ${headers} libwellspaced.so libwellspaced.so.0 libwellspaced.a
                  cmake/wellspaced/wellspacedConfig.cmake cmake/wellspaced/wellspacedConfigVersion.cmake
                  pkgconfig/wellspaced.pc)
     set(found ${files})
@@ -175,12 +175,17 @@ if(ROUTE STREQUAL cargo-c)
   endif()
   run(${CMAKE_COMMAND} -E chdir ${SOURCE} ${CARGO} cinstall --release --locked --target-dir ${CARGO_TARGET_DIR}/capi
       --destdir ${WORK}/stage --prefix /usr --libdir /usr/lib)
-  foreach(wanted include/wellspaced.h include/wellspaced/wellspaced.hpp include/wellspaced/cgal.hpp
-                 include/wellspaced/cgal/boundary.hpp lib/libwellspaced.so lib/libwellspaced.a lib/pkgconfig/wellspaced.pc)
-    if(NOT EXISTS ${WORK}/stage/usr/${wanted})
-      file(GLOB_RECURSE files RELATIVE ${WORK}/stage ${WORK}/stage/*)
-      message(FATAL_ERROR "${wanted} is missing among ${files}")
+  # The files of cmake --install, less the CMake package.
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
+  foreach(root stage/usr installed)
+    file(GLOB_RECURSE files RELATIVE ${WORK}/${root} ${WORK}/${root}/*)
+    list(FILTER files EXCLUDE REGEX "lib/([^/]+-linux-gnu/)?cmake/")
+    list(TRANSFORM files REPLACE "^lib/[^/]+-linux-gnu/" "lib/")
+    list(SORT files)
+    if(root STREQUAL installed AND NOT files STREQUAL first)
+      message(FATAL_ERROR "cargo-c: ${first}; cmake: ${files}")
     endif()
+    set(first ${files})
   endforeach()
   set(ENV{PKG_CONFIG_PATH} ${WORK}/stage/usr/lib/pkgconfig)
   set(ENV{PKG_CONFIG_SYSROOT_DIR} ${WORK}/stage)

@@ -519,6 +519,17 @@ inline std::vector<point> sample_edge(const point& p, const point& q, points lin
         16);
 }
 
+// The same for a bad tetrahedron, whose first two corners are the ends of its shortest edge. See wsp_sample_tetrahedron.
+inline std::vector<point> sample_tetrahedron(const std::array<point, 4>& corners, points link, bool closed,
+                                             const sampler_options& options = {}) {
+    return detail::list<point>(
+        [&](point* out, std::size_t room, std::size_t* count) {
+            return wsp_sample_tetrahedron(corners[0].data(), link.data(), link.size(), closed, &options,
+                                          out ? out->data() : nullptr, room, count);
+        },
+        16);
+}
+
 // A host's arrays as wsp_sample_mesh takes them. They refer to the host's memory.
 struct mesh_arrays : wsp_mesh_view {
     mesh_arrays(wsp::points vertices, span<std::array<std::uint32_t, 4>> tets,

@@ -7,22 +7,28 @@ use super::options::{rule, wsp_sampler_options};
 use super::status::*;
 use super::{args, sized};
 use crate::geometry::check_points;
-use crate::sampler;
+use crate::sampler::{self, Rule};
 
 /// An edge of a foreign triangulation.
-struct Star {
+struct Star<'a> {
     p: DVec3,
     q: DVec3,
-    link: Vec<DVec3>,
+    link: &'a [DVec3],
     closed: bool,
 }
 
 /// Reads and checks an edge and its link.
 ///
 /// # Safety
-/// Each pointer is NULL or live, `link_xyz` with `3 * n` doubles.
-unsafe fn star(p: *const f64, q: *const f64, link_xyz: *const f64, n: usize, closed: u32) -> Result<Star, Failure> {
-    // SAFETY: as the caller promises. The link is copied, so that the output may overlap it.
+/// Each pointer is NULL or live, `link_xyz` with `3 * n` doubles that nobody writes while the answer lives.
+unsafe fn star<'a>(
+    p: *const f64,
+    q: *const f64,
+    link_xyz: *const f64,
+    n: usize,
+    closed: u32,
+) -> Result<Star<'a>, Failure> {
+    // SAFETY: as the caller promises. The output, which may overlap the link, is written when all is computed.
     let (p, q, link) = unsafe { (args::point(p, "p")?, args::point(q, "q")?, args::points(link_xyz, n, "link_xyz")?) };
     check_points(link).map_err(|error| {
         let Failure { status, text } = error.into();
@@ -37,7 +43,7 @@ unsafe fn star(p: *const f64, q: *const f64, link_xyz: *const f64, n: usize, clo
         let shape = if closed { "ring" } else { "chain" };
         return Err(Failure::new(WSP_ERR_ARGUMENT, format!("n is {n}, a {shape} has at least {least} vertices")));
     }
-    Ok(Star { p, q, link: link.to_vec(), closed })
+    Ok(Star { p, q, link, closed })
 }
 
 /// The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
@@ -72,9 +78,49 @@ pub unsafe extern "C" fn wsp_sample_edge(
         let options = sized::read(options, "options")?;
         let (radius_edge, rule) = (args::radius_edge(options.radius_edge)?, rule(options.rule)?);
         let star = star(p, q, link_xyz, n, closed)?;
-        let samples = sampler::sample_edge(star.p, star.q, &star.link, star.closed, radius_edge, rule);
+        let samples = sampler::sample_edge(star.p, star.q, star.link, star.closed, radius_edge, rule);
         let points = samples.map(|samples| samples.points).unwrap_or_default();
         args::fill(&points, out_xyz.cast::<DVec3>(), capacity, count)
+    })
+}
+
+/// The Steiner batch for a bad tetrahedron of any Delaunay triangulation, as the refinement makes it: wsp_sample_edge for hosts that
+/// know which tetrahedron they mend.
+///
+/// `corners_xyz` are its four corners, twelve doubles, the first two the ends of its shortest edge. `link_xyz`, `n` and `closed` are that
+/// edge's link as for wsp_sample_edge, or the part of it on this tetrahedron's side of the domain's boundary, as a chain; with
+/// WSP_RULE_CIRCUMCENTER they are not looked at, and NULL and 0 will do. The tetrahedron is not judged: one that is not bad
+/// may have points too. Where the rule has no points for the edge, the batch is the circumcentre. The order of the first two corners and
+/// that of the last two decide about the last digits: the refinement takes lower ids first. Output as for wsp_sample_edge.
+///
+/// Cost: linear in n, less than wsp_sample_edge. May be called from any thread at any time.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE,
+/// WSP_ERR_ARGUMENT (the first two corners are the same, too few link vertices, `closed` neither 0 nor 1).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_sample_tetrahedron(
+    corners_xyz: *const f64,
+    link_xyz: *const f64,
+    n: usize,
+    closed: u32,
+    options: *const wsp_sampler_options,
+    out_xyz: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
+    call("wsp_sample_tetrahedron", || unsafe {
+        args::list_out(out_xyz, capacity, "out_xyz", count)?;
+        let options = sized::read(options, "options")?;
+        let (radius_edge, rule) = (args::radius_edge(options.radius_edge)?, rule(options.rule)?);
+        let corners: [DVec3; 4] = *args::reference(corners_xyz.cast(), "corners_xyz")?;
+        check_points(&corners)?;
+        let samples = if rule == Rule::Circumcenter {
+            sampler::sample_circumcenter(corners)
+        } else {
+            let star = star(corners_xyz, corners_xyz.add(3), link_xyz, n, closed)?;
+            sampler::sample_tetrahedron(corners, star.link, star.closed, radius_edge, rule)
+        };
+        args::fill(&samples.points, out_xyz.cast::<DVec3>(), capacity, count)
     })
 }
 
@@ -100,7 +146,7 @@ pub unsafe extern "C" fn wsp_is_bad_edge(
         args::writable(bad, "bad")?;
         let radius_edge = args::radius_edge(radius_edge)?;
         let star = star(p, q, link_xyz, n, closed)?;
-        let answer = sampler::is_bad_edge(star.p, star.q, &star.link, star.closed, radius_edge);
+        let answer = sampler::is_bad_edge(star.p, star.q, star.link, star.closed, radius_edge);
         args::store(bad, answer.into(), "bad")?;
         Ok(WSP_DONE)
     })

@@ -258,7 +258,7 @@ impl Boundary {
     }
 
     /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
-    /// small input angles have left an element encroached). `found` is filled, in a fixed order.
+    /// small input angles have left an element encroached). `found` is filled, in order of ids.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
         let mut seen: Vec<[u32; 2]> = Vec::new();
@@ -306,6 +306,11 @@ impl Boundary {
                 }
             }
         }
+        // Not in the order of storage.
+        found.segments.sort_unstable();
+        found.facets.sort_unstable();
+        found.lost_segments.sort_unstable();
+        found.lost_facets.sort_unstable();
     }
 
     /// Queues what of these elements still exists and can be split as demanded.

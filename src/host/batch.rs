@@ -210,7 +210,11 @@ impl Round<'_> {
                 return outcome;
             }
         }
-        self.place(sample_circumcenter(self.mesh.corners(tet)).points, tet, edge)
+        // Rounding must not depend on how a tetrahedron is stored: lower vertices first, as in the refinement.
+        let mut rest = v.into_iter().filter(|v| !edge.contains(v));
+        let rest = edge_key([rest.next().unwrap_or(v[2]), rest.next().unwrap_or(v[3])]);
+        let corners = [edge[0], edge[1], rest[0], rest[1]].map(|v| self.mesh.at(v));
+        self.place(sample_circumcenter(corners).points, tet, edge)
     }
 
     /// Takes an edge's samples as a candidate, or splits what they encroach upon.

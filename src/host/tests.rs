@@ -148,6 +148,22 @@ fn the_hosts_loop_ends_near_the_refinements_count() {
     assert!(rounds * 10 <= sequential * 11, "{rounds} Steiner points in rounds, {sequential} one by one");
 }
 
+/// A round mends what lies at about one length, so rounds go with the logarithm of the lengths between the smallest feature and the
+/// domain, and not with the number of vertices.
+#[test]
+fn rounds_grow_with_the_logarithm_of_the_sizes() {
+    let rounds = |points: &[DVec3]| Host::new(points).refine(&StepOptions::default());
+    // Two points at distance 1 in cubes of side 2^k: 8 doublings more cost about as many rounds each time.
+    let pair = [DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
+    let wide: Vec<usize> = [8, 16, 24, 32].map(|k| rounds(&boxed(&pair, f64::exp2(f64::from(k))))).to_vec();
+    for (step, pair) in wide.windows(2).enumerate() {
+        assert!(pair[1] > pair[0] && pair[1] - pair[0] <= 8 * 9, "{wide:?} at step {step}");
+    }
+    // The same features in many places: four times as many points, not even twice the rounds.
+    let many: Vec<usize> = [200, 800, 3200].map(|n| rounds(&boxed(&random_points(n, 7), 1.5))).to_vec();
+    assert!(many[2] < 2 * many[0], "{many:?}");
+}
+
 /// Where facets are slanted their splits lie off the plane by rounding. A host that remembers which facets a vertex lies on knows the
 /// flat tetrahedra that this makes, and the facet of every face.
 #[test]

@@ -12,7 +12,7 @@ use super::restore::{Element, Record};
 use super::sizing::Sizes;
 use super::split::Split;
 use super::{RefineOptions, RefineStatus, Unrefined};
-use crate::domain::boundary::{face_key, Boundary, Encroached};
+use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
 use crate::domain::pending::Demand;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
@@ -22,7 +22,7 @@ use crate::sampler::{sample_circumcenter, sample_component, sample_wide_componen
 use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
-use crate::triangulation::topology::GHOST;
+use crate::triangulation::topology::{EVEN_REST, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
 
@@ -250,11 +250,13 @@ impl<'a> Refiner<'a> {
 
     /// The samples for a bad tetrahedron.
     fn sample(&mut self, tet: u32, [i, j]: [usize; 2]) -> Samples {
+        // Rounding must not depend on how a tetrahedron is stored: lower vertices first.
+        let v = self.t.topology.tet(tet).v;
+        let edge = edge_key([v[i], v[j]]);
         if self.rule != Rule::Circumcenter {
             let closed = self.boundary.sector(self.t, tet, i, j, &mut self.link);
-            let v = self.t.topology.tet(tet).v;
-            let (p, q) = (self.t.at(v[i]), self.t.at(v[j]));
             let t = &*self.t;
+            let [p, q] = edge.map(|v| t.at(v));
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
             let samples = if self.rule == Rule::Sparse && self.sparsifier.is_some() {
                 sample_wide_component(&self.facet, &mut self.arcs, self.radius_edge)
@@ -265,7 +267,9 @@ impl<'a> Refiner<'a> {
                 return samples;
             }
         }
-        sample_circumcenter(self.t.corners(tet))
+        let [k, l] = EVEN_REST[i][j];
+        let rest = edge_key([v[k], v[l]]);
+        sample_circumcenter([edge[0], edge[1], rest[0], rest[1]].map(|v| self.t.at(v)))
     }
 
     /// Rule 3: inserts a sample unless it would encroach upon the boundary. `near` is a tetrahedron to look for it from.

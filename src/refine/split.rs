@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::refiner::Refiner;
-use crate::domain::boundary::{edge_key, face_key};
+use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::flush_tiny;
@@ -43,7 +43,9 @@ impl Refiner<'_> {
                 self.boundary.apply(&changes, p);
                 let star = self.t.topology.star(existing);
                 let before = self.boundary.standing(existing, Some(edge));
+                let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, existing, &changes, &star, demand.following());
+                self.sort_pending(pending);
                 self.record(existing, false, before, changes);
                 Ok(Split::Done(existing))
             }
@@ -58,8 +60,10 @@ impl Refiner<'_> {
                 let new = self.insert_prepared(p)?;
                 let before = self.boundary.standing(new, Some(edge));
                 let after = demand.following();
+                let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
                 self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
+                self.sort_pending(pending);
                 self.finish();
                 self.segment_splits += 1;
                 self.record(new, true, before, changes);
@@ -106,12 +110,29 @@ impl Refiner<'_> {
         let before = self.boundary.standing(new, None);
         let [(facet, change)] = &changes;
         let after = demand.following();
+        let pending = self.pending();
         self.boundary.facet_changed(self.t, new, *facet, change, &self.cavity.created, after);
         self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
+        self.sort_pending(pending);
         self.finish();
         self.facet_splits += 1;
         self.record(new, true, before, changes.into());
         Ok(Split::Done(new))
+    }
+
+    fn pending(&self) -> [usize; 2] {
+        [self.boundary.pending_segments.len(), self.boundary.pending_facets.len()]
+    }
+
+    /// What one split has queued, in order of ids instead of storage.
+    fn sort_pending(&mut self, [segments, facets]: [usize; 2]) {
+        let Boundary { pending_segments, pending_facets, .. } = &mut *self.boundary;
+        if pending_segments.len() > segments + 1 {
+            pending_segments.make_contiguous()[segments..].sort_unstable_by_key(|&(key, _)| key);
+        }
+        if pending_facets.len() > facets + 1 {
+            pending_facets.make_contiguous()[facets..].sort_unstable_by_key(|&(key, _)| key);
+        }
     }
 
     /// Tells that subsegments must be split before a subfacet, or gives the subfacet up when none of them can be.

@@ -144,6 +144,18 @@ pub fn sample_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: 
     samples.points.iter().all(|s| s.is_finite()).then_some(samples)
 }
 
+/// The Steiner points for a tetrahedron over the bound, as the refinement takes them: the batch of its first two corners' edge, whose link (or
+/// the part of it on this side of the boundary) that is; where the rule has none, the circumcentre.
+pub fn sample_tetrahedron(corners: [DVec3; 4], link: &[DVec3], closed: bool, radius_edge: f64, rule: Rule) -> Samples {
+    if rule != Rule::Circumcenter {
+        let facet = VoronoiFacet::new(corners[0], corners[1], link, closed);
+        if let Some(samples) = sample_component(&facet, &mut Vec::new(), radius_edge, rule) {
+            return samples;
+        }
+    }
+    sample_circumcenter(corners)
+}
+
 /// The circumcentre of a tetrahedron as a batch of one; empty when it is flat to rounding.
 pub fn sample_circumcenter([a, b, c, d]: [DVec3; 4]) -> Samples {
     let center = circumcenter(a, b, c, d);

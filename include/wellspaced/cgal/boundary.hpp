@@ -25,41 +25,12 @@
 #include <utility>
 #include <vector>
 
+#include "geometry.hpp"
+#include "numbers.hpp"
+
 namespace wellspaced {
 namespace cgal {
 namespace detail {
-
-using vec = std::array<double, 3>;
-
-inline vec operator-(const vec& a, const vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline double dot(const vec& a, const vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline vec cross(const vec& a, const vec& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-inline vec combine(double s, const vec& a, double t, const vec& b) {
-    return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
-}
-inline double squared_distance(const vec& a, const vec& b) {
-    const vec d = a - b;
-    return dot(d, d);
-}
-
-template <class Point>
-vec to_vec(const Point& p) {
-    return {CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z())};
-}
-
-// The circumcentre of a triangle. Where the corners share a coordinate exactly, so does the result.
-inline vec triangle_circumcenter(const vec& a, const vec& b, const vec& c) {
-    const vec u = b - a, v = c - a, n = cross(u, v);
-    const vec m = cross(combine(dot(u, u), v, -dot(v, v), u), n);
-    return combine(1, a, 1 / (2 * dot(n, n)), m);
-}
-
-inline bool is_acute(const vec& u, const vec& v) {
-    const double d = dot(u, v);
-    return d > 0 && d * d > 0.25 * (1 + 1e-9) * dot(u, u) * dot(v, v);
-}
 
 // Hashes of small arrays of handles.
 template <std::size_t N>
@@ -92,13 +63,49 @@ public:
         }
     };
 
-    boundary(const Dt& dt, const Domain& domain) : dt_(dt), domain_(domain), filter_(1024, 0) { find(); }
+    struct info {
+        vertex v;
+        std::uint32_t number = 0;
+        std::vector<int> facets;  // in order
+        int segment = -1;         // the segment that it lies inside
+        int corner = -1;          // or its number as a corner, where segments end
+        bool acute = false;
+        bool on_segment() const { return segment >= 0 || corner >= 0; }
+    };
 
-    static edge_key key(vertex a, vertex b) { return a < b ? edge_key{a, b} : edge_key{b, a}; }
-    static face_key key(vertex a, vertex b, vertex c) {
-        face_key k{a, b, c};
-        std::sort(k.begin(), k.end());
-        return k;
+    boundary(const Dt& dt, const Domain& domain, const numbers<vertex>& of) : dt_(dt), domain_(domain), numbers_(of) { find(); }
+
+    // What is known of a vertex of the boundary; NULL for the others, which are nearly all.
+    const info* look(vertex v) const {
+        const std::uint32_t at = places_.find(v);
+        return at == numbers<vertex>::none ? nullptr : &infos_[at];
+    }
+
+    // Keys name their vertices in order of their numbers.
+    static edge_key key(const info* a, const info* b) {
+        return a->number < b->number ? edge_key{a->v, b->v} : edge_key{b->v, a->v};
+    }
+    static face_key key(const info* a, const info* b, const info* c) {
+        if (b->number < a->number) std::swap(a, b);
+        if (c->number < b->number) std::swap(b, c);
+        if (b->number < a->number) std::swap(a, b);
+        return {a->v, b->v, c->v};
+    }
+    // The key of a face of vertices of the boundary.
+    face_key key(const facet& f) const {
+        return key(look(f.first->vertex((f.second + 1) & 3)), look(f.first->vertex((f.second + 2) & 3)),
+                   look(f.first->vertex((f.second + 3) & 3)));
+    }
+    // Sorts keys by the numbers of their vertices, from `first` on.
+    template <class List>
+    void sort(List& list, std::size_t first = 0) const {
+        if (list.size() < first + 2) return;
+        using item = typename List::value_type;
+        std::sort(list.begin() + static_cast<std::ptrdiff_t>(first), list.end(), [&](const item& a, const item& b) {
+            return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), [&](vertex v, vertex w) {
+                return look(v)->number < look(w)->number;
+            });
+        });
     }
 
     // Whether a cell is of the domain.
@@ -114,10 +121,12 @@ public:
 
     bool is_segment(const edge_key& e) const { return segments_.count(e) != 0; }
 
-    // What a point encroaches upon around its cavity.
+    // What a point encroaches upon around its cavity, in order. Returns whether the cavity lies in the domain.
     template <class Cells>
-    void encroached_by(const typename Dt::Point& p, const Cells& cells, encroached& found) const {
+    bool encroached_by(const typename Dt::Point& p, const Cells& cells, encroached& found) const {
         found.clear();
+        bool inside = true;
+        const vec at_p = to_vec(p);
         for (const cell& c : cells) {
             const info* v[4];
             int on_facet = 0, on_segment = 0;
@@ -126,20 +135,32 @@ public:
                 on_facet += v[i] != nullptr;
                 on_segment += v[i] != nullptr && v[i]->on_segment();
             }
+            inside = inside && !dt_.is_infinite(c) && (on_facet < 4 || !are_flat(v)) && domain_(c);
             if (on_segment >= 2)
                 for (int i = 0; i < 4; ++i)
                     for (int j = i + 1; j < 4; ++j) {
                         if (!v[i] || !v[j] || !v[i]->on_segment() || !v[j]->on_segment()) continue;
-                        const edge_key e = key(c->vertex(i), c->vertex(j));
-                        if (is_segment(e) && !has(found.segments, e) && encroaches(e, p)) found.segments.push_back(e);
+                        const edge_key e = key(v[i], v[j]);
+                        // What is no subsegment is seldom near enough, which is found out faster.
+                        const judgement near = in_ball(at(e[0]), at(e[1]), at_p);
+                        if (near != judgement::no && !has(found.segments, e) && is_segment(e) &&
+                            (near == judgement::yes || encroaches(e, p, at_p)))
+                            found.segments.push_back(e);
                     }
             if (on_facet >= 3)
                 for (int i = 0; i < 4; ++i) {
-                    if (!is_wall(c, i)) continue;
-                    const face_key f = key(c->vertex((i + 1) & 3), c->vertex((i + 2) & 3), c->vertex((i + 3) & 3));
-                    if (!has(found.facets, f) && encroaches(f, p)) found.facets.push_back(f);
+                    const info *a = v[(i + 1) & 3], *b = v[(i + 2) & 3], *d = v[(i + 3) & 3];
+                    if (!a || !b || !d || common(a, b, d) < 0) continue;
+                    const face_key f = key(a, b, d);
+                    const judgement near = in_ball(at(f[0]), at(f[1]), at(f[2]), at_p);
+                    if (near != judgement::no && !has(found.facets, f) && is_wall(c, i) &&
+                        (near == judgement::yes || encroaches(f, p, at_p)))
+                        found.facets.push_back(f);
                 }
         }
+        sort(found.segments);
+        sort(found.facets);
+        return inside;
     }
 
     // Keeps the one element that `p` encroaches upon most.
@@ -165,7 +186,9 @@ public:
         const vec center = at(a->acute ? e[0] : e[1]), other = at(a->acute ? e[1] : e[0]);
         const double length = std::sqrt(squared_distance(center, other));
         const double radius = std::exp2(std::floor(std::log2(length * 2 / 3)));
-        return combine(1, center, radius / length, other - center);
+        const vec along = other - center;
+        const double share = radius / length;
+        return {center[0] + along[0] * share, center[1] + along[1] * share, center[2] + along[2] * share};
     }
 
     // An edge whose length is given by an acute input angle.
@@ -175,13 +198,13 @@ public:
     }
 
     bool vertex_encroaches(vertex v, const edge_key& e) const {
-        if (dt_.is_infinite(v) || !encroaches(e, v->point())) return false;
+        if (dt_.is_infinite(v) || !encroaches(e, v->point(), at(v))) return false;
         const auto segment = segments_.find(e);
         return segment != segments_.end() &&
                may_encroach(v, {carried_by::segment, segment->second}, middle(e));
     }
     bool vertex_encroaches(vertex v, const face_key& f) const {
-        if (dt_.is_infinite(v) || !encroaches(f, v->point())) return false;
+        if (dt_.is_infinite(v) || !encroaches(f, v->point(), at(v))) return false;
         const int facet_of = common(look(f[0]), look(f[1]), look(f[2]));
         const vec a = at(f[0]), b = at(f[1]), c = at(f[2]);
         return may_encroach(v, {carried_by::facet, facet_of},
@@ -192,10 +215,10 @@ public:
     std::array<edge_key, 2> split(const edge_key& e, vertex v) {
         const int segment = segments_.at(e);
         segments_.erase(e);
-        const std::array<edge_key, 2> parts{key(e[0], v), key(e[1], v)};
         info& added = add(v);
         added.segment = segment;
         added.facets = segment_list_[segment].facets;
+        const std::array<edge_key, 2> parts{key(look(e[0]), &added), key(look(e[1]), &added)};
         for (const edge_key& part : parts) segments_[part] = segment;
         return parts;
     }
@@ -205,10 +228,7 @@ public:
         add(v).facets = {facet_of};
     }
 
-    template <class Visit>
-    void each_segment(const Visit& visit) const {
-        for (const edge_key& e : first_segments_) visit(e);
-    }
+    const std::vector<edge_key>& first_segments() const { return first_segments_; }
     const std::vector<facet>& first_facets() const { return first_facets_; }
 
 private:
@@ -217,13 +237,6 @@ private:
         carried_by kind;
         int index;
         bool operator==(const carrier_type& other) const { return kind == other.kind && index == other.index; }
-    };
-    struct info {
-        std::vector<int> facets;  // in order
-        int segment = -1;         // the segment that it lies inside
-        int corner = -1;          // or its number as a corner, where segments end
-        bool acute = false;
-        bool on_segment() const { return segment >= 0 || corner >= 0; }
     };
     struct segment_info {
         std::vector<vertex> ends;
@@ -235,24 +248,14 @@ private:
         return std::find(list.begin(), list.end(), item) != list.end();
     }
 
-    static std::size_t hash(vertex v) {
-        return static_cast<std::size_t>((reinterpret_cast<std::uintptr_t>(&*v) >> 4) * 0x9E3779B97F4A7C15u >> 20);
-    }
-
-    // NULL for vertices that are on no facet: nearly all, which a bit tells.
-    const info* look(vertex v) const {
-        if (!filter_[hash(v) & (filter_.size() - 1)]) return nullptr;
-        const auto found = vertices_.find(v);
-        return found == vertices_.end() ? nullptr : &found->second;
-    }
-
     info& add(vertex v) {
-        if (64 * vertices_.size() > filter_.size()) {
-            filter_.assign(4 * filter_.size(), 0);
-            for (const auto& known : vertices_) filter_[hash(known.first) & (filter_.size() - 1)] = 1;
-        }
-        filter_[hash(v) & (filter_.size() - 1)] = 1;
-        return vertices_[v];
+        const std::uint32_t known = places_.find(v);
+        if (known != numbers<vertex>::none) return infos_[known];
+        places_.add(v);
+        infos_.emplace_back();
+        infos_.back().v = v;
+        infos_.back().number = numbers_.find(v);
+        return infos_.back();
     }
 
     // A facet that all three are on, or -1.
@@ -263,23 +266,30 @@ private:
         return -1;
     }
 
+    static bool are_flat(const info* const (&v)[4]) {
+        for (int f : v[0]->facets)
+            if (has(v[1]->facets, f) && has(v[2]->facets, f) && has(v[3]->facets, f)) return true;
+        return false;
+    }
     bool is_flat(cell c) const {
         const info* v[4];
         for (int i = 0; i < 4; ++i)
             if ((v[i] = look(c->vertex(i))) == nullptr) return false;
-        for (int f : v[0]->facets)
-            if (has(v[1]->facets, f) && has(v[2]->facets, f) && has(v[3]->facets, f)) return true;
-        return false;
+        return are_flat(v);
     }
 
     vec at(vertex v) const { return to_vec(v->point()); }
     vec middle(const edge_key& e) const { return combine(0.5, at(e[0]), 0.5, at(e[1])); }
 
-    bool encroaches(const edge_key& e, const typename Dt::Point& p) const {
+    bool encroaches(const edge_key& e, const typename Dt::Point& p, const vec& at_p) const {
+        const judgement found = in_ball(at(e[0]), at(e[1]), at_p);
+        if (found != judgement::unsure) return found == judgement::yes;
         return dt_.geom_traits().side_of_bounded_sphere_3_object()(e[0]->point(), e[1]->point(), p) ==
                CGAL::ON_BOUNDED_SIDE;
     }
-    bool encroaches(const face_key& f, const typename Dt::Point& p) const {
+    bool encroaches(const face_key& f, const typename Dt::Point& p, const vec& at_p) const {
+        const judgement found = in_ball(at(f[0]), at(f[1]), at(f[2]), at_p);
+        if (found != judgement::unsure) return found == judgement::yes;
         return dt_.geom_traits().side_of_bounded_sphere_3_object()(f[0]->point(), f[1]->point(), f[2]->point(), p) ==
                CGAL::ON_BOUNDED_SIDE;
     }
@@ -334,12 +344,14 @@ private:
             faces.push_back({c->vertex((f->second + 1) & 3), c->vertex((f->second + 2) & 3),
                              c->vertex((f->second + 3) & 3)});
         }
+        for (const auto& face : faces)
+            for (const vertex& v : face) add(v);
         // The faces at each edge, in the order in which they were met.
         std::unordered_map<edge_key, std::size_t, handles_hash<2>> position;
         std::vector<std::pair<edge_key, std::vector<int>>> edges;
         for (std::size_t i = 0; i < faces.size(); ++i)
             for (int k = 0; k < 3; ++k) {
-                const edge_key e = key(faces[i][k], faces[i][(k + 1) % 3]);
+                const edge_key e = key(look(faces[i][k]), look(faces[i][(k + 1) % 3]));
                 const auto place = position.emplace(e, edges.size());
                 if (place.second) edges.push_back({e, {}});
                 edges[place.first->second].second.push_back(static_cast<int>(i));
@@ -383,11 +395,11 @@ private:
 
     // Subsegments that go on straight at a vertex are of one segment.
     void join_segments(const std::vector<std::vector<int>>& around) {
-        std::unordered_map<vertex, std::vector<int>, vertex_hash> at_vertex;
+        std::vector<std::vector<int>> at_vertex(infos_.size());
         std::vector<vertex> order;
         for (std::size_t i = 0; i < first_segments_.size(); ++i)
             for (const vertex& v : first_segments_[i]) {
-                std::vector<int>& list = at_vertex[v];
+                std::vector<int>& list = at_vertex[places_.find(v)];
                 if (list.empty()) order.push_back(v);
                 list.push_back(static_cast<int>(i));
             }
@@ -395,7 +407,7 @@ private:
         for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = static_cast<int>(i);
         int corners = 0;
         for (const vertex& v : order) {
-            const std::vector<int>& list = at_vertex[v];
+            const std::vector<int>& list = at_vertex[places_.find(v)];
             std::vector<vec> directions;
             for (int i : list) {
                 const edge_key& e = first_segments_[i];
@@ -434,14 +446,11 @@ private:
         }
     }
 
-    struct vertex_hash {
-        std::size_t operator()(const vertex& v) const noexcept { return hash(v); }
-    };
-
     const Dt& dt_;
     const Domain& domain_;
-    std::vector<char> filter_;  // a power of two long
-    std::unordered_map<vertex, info, vertex_hash> vertices_;
+    const numbers<vertex>& numbers_;
+    numbers<vertex> places_{4};  // of `infos_`; sparse, for most questions are after free vertices
+    std::deque<info> infos_;
     std::unordered_map<edge_key, int, handles_hash<2>> segments_;
     std::vector<segment_info> segment_list_;
     std::vector<std::vector<vertex>> facet_corners_;
