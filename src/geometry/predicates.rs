@@ -281,25 +281,57 @@ pub fn orient_lanes<L: Lanes>(u: [L; 3], v: [L; 3], w: [L; 3]) -> L {
     u[2].mul_add(minor(v, w), v[2].mul_add(minor(w, u), w[2].mul(minor(u, v))))
 }
 
-/// [`Filter::insphere`] in each lane, of four points relative to the one in question.
+/// What [`insphere_lanes`] is about: lane i has the corners other than i of one tetrahedron, in cyclic order, and another point in place of corner i.
+#[derive(Clone, Copy)]
+pub struct Beside<L> {
+    next: [L; 3],
+    across: [L; 3],
+    last: [L; 3],
+    /// Of each coordinate, then of the three together: what [`insphere_lanes`] multiplies with those of the other point.
+    cofactors: [L; 4],
+}
+
+impl<L: Lanes> Beside<L> {
+    /// For a tetrahedron with these corners, one a lane, relative to the point in question.
+    #[inline(always)]
+    pub fn new(corners: [L; 3]) -> Self {
+        let ([x, y, z], l) = (corners, lift(corners));
+        let ([x1, x2, x3], [y1, y2, y3]) = (x.rotations(), y.rotations());
+        let ([z1, z2, z3], [l1, l2, l3]) = (z.rotations(), l.rotations());
+        // The minors of x and y, and of z and the lift, of two corners each.
+        let xy12 = x1.mul_sub(y2, x2.mul(y1));
+        let xy13 = x1.mul_sub(y3, x3.mul(y1));
+        let [xy23, ..] = xy12.rotations();
+        let zl12 = z1.mul_sub(l2, z2.mul(l1));
+        let zl13 = z1.mul_sub(l3, z3.mul(l1));
+        let [zl23, ..] = zl12.rotations();
+        let yzl = y3.mul_add(zl12, y1.mul_sub(zl23, y2.mul(zl13)));
+        let xzl = x3.mul_add(zl12, x1.mul_sub(zl23, x2.mul(zl13)));
+        let xyl = l3.mul_add(xy12, l1.mul_sub(xy23, l2.mul(xy13)));
+        let xyz = z3.mul_add(xy12, z1.mul_sub(xy23, z2.mul(xy13)));
+        Beside { next: [x1, y1, z1], across: [x2, y2, z2], last: [x3, y3, z3], cofactors: [yzl, xzl, xyl, xyz] }
+    }
+}
+
+/// [`Filter::insphere`] in each lane, of a tetrahedron whose corner of the lane's number is replaced by the lane's point in `others`, all
+/// relative to the point in question.
+///
+/// The determinant is expanded by the row that is replaced, so that most of the work needs no other points, and is done while they are on
+/// their way. Its terms and the depth of its sums are those of Shewchuk's order.
 #[inline(always)]
-pub fn insphere_lanes<L: Lanes>(a: [L; 3], b: [L; 3], c: [L; 3], d: [L; 3]) -> L {
-    let (ab, bc, cd, da) = (minor(a, b), minor(b, c), minor(c, d), minor(d, a));
-    let (ac, bd) = (minor(a, c), minor(b, d));
-    let abc = c[2].mul_add(ab, a[2].mul_sub(bc, b[2].mul(ac)));
-    let bcd = d[2].mul_add(bc, b[2].mul_sub(cd, c[2].mul(bd)));
-    let cda = a[2].mul_add(cd, c[2].mul_add(da, d[2].mul(ac)));
-    let dab = b[2].mul_add(da, d[2].mul_add(ab, a[2].mul(bd)));
-    // In two halves: the error bound is for a sum of this depth.
-    lift(c).mul_sub(dab, lift(d).mul(abc)).add(lift(a).mul_sub(bcd, lift(b).mul(cda)))
+pub fn insphere_lanes<L: Lanes>(beside: &Beside<L>, others: [L; 3]) -> L {
+    let ([yzl, xzl, xyl, xyz], [x, y, z]) = (beside.cofactors, others);
+    // In two halves: the error bound is for a sum of this depth. A cyclic order of four is an odd permutation: signs alternate.
+    lift(others).mul_sub(xyz, z.mul(xyl)).add(y.mul_sub(xzl, x.mul(yzl))).alternate()
 }
 
 /// What more can be said of lanes that [`insphere_lanes`] leaves open, as bits: inside, outside, and on the sphere.
 #[inline(always)]
-pub fn insphere_lanes_again<L: Lanes>(filter: &Filter, det: L, a: [L; 3], b: [L; 3], c: [L; 3], d: [L; 3]) -> [u32; 3] {
-    let x = greatest(a[0], b[0], c[0], d[0]);
-    let y = greatest(a[1], b[1], c[1], d[1]);
-    let z = greatest(a[2], b[2], c[2], d[2]);
+pub fn insphere_lanes_again<L: Lanes>(filter: &Filter, det: L, beside: &Beside<L>, others: [L; 3]) -> [u32; 3] {
+    let Beside { next: a, across: b, last: c, .. } = *beside;
+    let x = greatest(a[0], b[0], c[0], others[0]);
+    let y = greatest(a[1], b[1], c[1], others[1]);
+    let z = greatest(a[2], b[2], c[2], others[2]);
     let error = L::splat(INSPHERE_ERROR * (1.0 + 16.0 * f64::EPSILON));
     let bound = error.mul(x.mul(y).mul(z)).mul(lift([x, y, z]));
     let zero = L::splat(0.0);
@@ -348,6 +380,10 @@ pub fn collinear(a: DVec3, b: DVec3, c: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::lanes::Portable;
+
+    #[cfg(target_arch = "x86_64")]
+    use crate::geometry::lanes::Avx2;
 
     const A: DVec3 = DVec3::ZERO;
     const B: DVec3 = DVec3::X;
@@ -406,6 +442,65 @@ mod tests {
             let (a, b, c, d, p) = (next(), next(), next(), next(), next());
             assert_eq!(filter.orient3d(a, b, c, d), orient3d(a, b, c, d));
             assert_eq!(filter.insphere(a, b, c, d, p), insphere(a, b, c, d, p));
+        }
+    }
+
+    /// Four corners and four other points each time, of a filter's points: what the lanes say, as bits, must be so.
+    fn lanes_against_single<L: Lanes>(points: &[DVec3]) -> u32 {
+        let filter = Filter::for_points(points);
+        let mut state = 5u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            points[(state >> 33) as usize % points.len()]
+        };
+        let mut decided = 0;
+        for _ in 0..5000 {
+            let (corners, others, p) = ([next(), next(), next(), next()], [next(), next(), next(), next()], next());
+            let relative = |points: [DVec3; 4]| {
+                let [x, y, z] = L::load([&points[0], &points[1], &points[2], &points[3]]);
+                [x.sub(L::splat(p.x)), y.sub(L::splat(p.y)), z.sub(L::splat(p.z))]
+            };
+            let beside = Beside::new(relative(corners));
+            let others_to_p = relative(others);
+            let det = insphere_lanes(&beside, others_to_p);
+            let bound = filter.insphere_bound();
+            let (inside, outside) = (det.greater(L::splat(bound)), L::splat(-bound).greater(det));
+            let [inside_too, outside_too, on] = insphere_lanes_again(&filter, det, &beside, others_to_p);
+            for lane in 0..4 {
+                let mut five = corners;
+                five[lane] = others[lane];
+                let [a, b, c, d] = five;
+                let sign = insphere(a, b, c, d, p);
+                let says = |bits: u32| bits >> lane & 1 == 1;
+                assert!(!says(inside | inside_too) || sign == Sign::Positive);
+                assert!(!says(outside | outside_too) || sign == Sign::Negative);
+                assert!(!says(on) || sign == Sign::Zero);
+                decided += u32::from(says(inside | outside | inside_too | outside_too | on));
+            }
+        }
+        decided
+    }
+
+    #[test]
+    fn four_at_once_say_what_one_says() {
+        let mut state = 3u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let scattered: Vec<DVec3> = (0..300).map(|_| DVec3::new(next(), next(), next())).collect();
+        // Nearly on a sphere, far from the origin.
+        let shell: Vec<DVec3> =
+            scattered.iter().map(|&p| (p - DVec3::splat(0.5)).normalize() + DVec3::splat(1e6)).collect();
+        let grid = |unit: f64| -> Vec<DVec3> {
+            (0..64).map(|i| DVec3::new((i & 3) as f64, (i >> 2 & 3) as f64, (i >> 4) as f64) * unit).collect()
+        };
+        for (points, least) in [(scattered, 19_000), (shell, 0), (grid(1.0), 20_000), (grid(0.1), 10_000)] {
+            assert!(lanes_against_single::<Portable>(&points) >= least);
+            #[cfg(target_arch = "x86_64")]
+            if Avx2::available() {
+                assert!(lanes_against_single::<Avx2>(&points) >= least);
+            }
         }
     }
 }

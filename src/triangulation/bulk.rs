@@ -9,7 +9,7 @@ use super::partition::{sample, AnyTerritory, Division, Partition, Planes, MAX_DE
 use super::pass::{Pass, BLOCK, POLL_INTERVAL};
 use super::site::Site;
 use super::territory::Territory;
-use super::threads;
+use super::threads::{self, share_out};
 use super::topology::NONE;
 use super::Triangulation;
 use crate::geometry::lanes::Portable;
@@ -19,6 +19,8 @@ use crate::{Control, Error};
 const FEW_OTHERS: usize = 64;
 /// Zones are divided no further than by this depth.
 const ZONE_DEPTH: u32 = 2;
+/// So many points are put in order at once.
+const PART: usize = 1 << 15;
 /// How many points of a block are tried as a start.
 const STARTS: usize = 8;
 
@@ -61,8 +63,16 @@ impl Triangulation {
         self.points.try_reserve(points.len()).map_err(|_| no_memory("points"))?;
         // Seven for each point, and what divided places leave unused.
         self.topology.tets.try_reserve(points.len() / 2 * 15).map_err(|_| no_memory("tetrahedra"))?;
+        debug_assert_eq!(order.len(), points.len());
         self.filter.extend_all(points);
-        self.points.extend(order.iter().map(|&i| points[i as usize] + DVec3::ZERO));
+        let room = &mut self.points.spare_capacity_mut()[..points.len()];
+        share_out(threads, room.chunks_mut(PART).zip(order.chunks(PART)), |(room, order)| {
+            for (place, &i) in room.iter_mut().zip(order) {
+                place.write(points[i as usize] + DVec3::ZERO);
+            }
+        });
+        // SAFETY: so many have been written: there is one place in the order for each point.
+        unsafe { self.points.set_len(base + points.len()) };
         let mut progress = Progress { control, total: points.len(), done: 0, present, duplicates: Vec::new() };
         let mut helpers = Helpers { threads, cavities: Vec::new() };
         for round in &mut rounds {

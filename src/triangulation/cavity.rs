@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use super::labels::Labels;
 use super::site::Site;
 use super::star::StarBuilder;
 use super::topology::{slot_of, tet_of, Topology, GHOST};
@@ -22,10 +23,12 @@ pub struct Cavity {
     pub tets: Vec<u32>,
     /// The faces between the cavity and the rest, as handles inside it: each becomes a tetrahedron with the new point.
     pub faces: Vec<u32>,
-    /// Scratch of the search: the faces that it crossed, as handles on the far side.
-    pub(super) queue: Vec<u32>,
     /// What the last insertion created, in the order of `faces`.
     pub created: Vec<u32>,
+    /// Scratch of the search: for each of `tets` the face that it was found across, as a handle on its own side.
+    pub(super) entries: Vec<u32>,
+    /// Numbers for the cavity's vertices.
+    pub(super) labels: Labels,
     pub(super) star: StarBuilder,
 }
 
@@ -49,14 +52,14 @@ impl Cavity {
     pub(super) fn clear_lists(&mut self) {
         self.tets.clear();
         self.faces.clear();
-        self.queue.clear();
+        self.entries.clear();
     }
 
     /// Memory for cavities among that many tetrahedra and vertices, or `false` where there is none.
     pub(super) fn reserve(&mut self, tetrahedra: usize, vertices: usize) -> bool {
         self.clear();
         (self.marks.len() >= tetrahedra || zeroed(tetrahedra).map(|marks| self.marks = marks).is_some())
-            && self.star.reserve(vertices)
+            && self.labels.reserve(vertices)
     }
 
     /// Makes an empty cavity with marks for all tetrahedra.

@@ -6,6 +6,7 @@
 //! | [`cavity`] | what an insertion would remove and create |
 //! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
+//! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
 //! | `locate` | where a point lies |
 //! | `insert` | one point, or a few |
@@ -26,6 +27,7 @@
 mod bulk;
 pub mod cavity;
 mod insert;
+mod labels;
 mod locate;
 mod lower;
 mod order;

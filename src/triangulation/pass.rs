@@ -14,7 +14,7 @@ use super::partition::{AnyTerritory, Partition};
 use super::search::{search_from, walk_to};
 use super::site::Site;
 use super::territory::Territory;
-use super::topology::{Tetrahedron, GHOST, MAX_TETRAHEDRA, NONE};
+use super::topology::{Tetrahedron, MAX_TETRAHEDRA, NONE};
 use crate::geometry::Filter;
 use crate::Control;
 
@@ -241,7 +241,7 @@ impl Pass<'_> {
     /// The cavity's tetrahedra are live and belong to the territory.
     #[inline]
     unsafe fn allocate(&self, territory: usize, cavity: &mut Cavity, outcome: &mut Outcome) -> bool {
-        let Cavity { tets, faces, created, .. } = cavity;
+        let Cavity { tets, faces, created, labels, .. } = cavity;
         let places = &mut outcome.places;
         let more = faces.len().saturating_sub(tets.len());
         while places.end - places.next + places.free.len() < more {
@@ -264,9 +264,11 @@ impl Pass<'_> {
                 places.next as u32 - 1
             }));
         }
-        // SAFETY: the caller's promise.
-        let ghosts = tets.iter().filter(|&&t| unsafe { self.site.tet(t) }.v[3] == GHOST).count();
-        outcome.ghosts -= ghosts as isize;
+        if labels.has_ghost() {
+            // SAFETY: the caller's promise.
+            let ghosts = tets.iter().filter(|&&t| unsafe { self.site.tet(t) }.is_ghost()).count();
+            outcome.ghosts -= ghosts as isize;
+        }
         true
     }
 

@@ -21,7 +21,7 @@ use super::topology::{slot_of, tet_of, Tetrahedron, GHOST};
 use super::Triangulation;
 use crate::geometry::lanes::{Lanes, Portable, POSITIONS};
 use crate::geometry::perturbation::perturbed;
-use crate::geometry::predicates::{insphere_lanes, insphere_lanes_again, orient_lanes};
+use crate::geometry::predicates::{insphere_lanes, insphere_lanes_again, orient_lanes, Beside};
 use crate::geometry::{Filter, Sign};
 
 #[cfg(target_arch = "x86_64")]
@@ -122,16 +122,6 @@ fn splat<L: Lanes>(p: &DVec3) -> [L; 3] {
     [L::splat(p.x), L::splat(p.y), L::splat(p.z)]
 }
 
-#[inline(always)]
-fn rotate<L: Lanes>(v: [L; 3]) -> [L; 3] {
-    [v[0].rotate(), v[1].rotate(), v[2].rotate()]
-}
-
-#[inline(always)]
-fn with_lane<L: Lanes, const LANE: usize>(v: [L; 3], other: [L; 3]) -> [L; 3] {
-    [v[0].with_lane::<LANE>(other[0]), v[1].with_lane::<LANE>(other[1]), v[2].with_lane::<LANE>(other[2])]
-}
-
 /// Returns the tetrahedron where the walk ended, and whether that is its goal: where it would have to cross a face with fewer than two
 /// own vertices, it stops.
 ///
@@ -159,10 +149,9 @@ unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, st
         // SAFETY: vertices of a live tetrahedron without the ghost.
         let corners = unsafe { tet.v.map(|v| site.point(v)) };
         // Lane i: the three corners other than i.
-        let u = rotate(relative(L::load(corners), goal));
-        let v = rotate(u);
-        let w = rotate(v);
-        let det = orient_lanes(u, v, w);
+        let [x, y, z] = relative(L::load(corners), goal);
+        let (x, y, z) = (x.rotations(), y.rotations(), z.rotations());
+        let det = orient_lanes([x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]);
         let (greater, less) = (det.greater(above), below.greater(det));
         // p in the place of corner i makes a negative tetrahedron: a cyclic order of four is an odd permutation, so that the lanes'
         // signs alternate.
@@ -230,126 +219,164 @@ unsafe fn search<L: Lanes, T: Territory>(
     let centre = splat::<L>(&p);
     let bound = filter.insphere_bound();
     let (above, below) = (L::splat(bound), L::splat(-bound));
-    let Cavity { marks, tets, faces, queue, .. } = cavity;
+    let Cavity { marks, tets, faces, entries, labels, .. } = cavity;
     let marks = &mut marks[..];
-    // Lengths are kept here while the loop runs.
-    let (mut tets_len, mut faces_len, mut queue_len, mut next) = (0, 0, 0, 0);
-    let mut room = room_in(tets, faces, queue);
-    let mut t = start;
-    // The faces whose other side is not known to be in the cavity.
-    let mut open = 0b1111;
-    loop {
-        debug_assert!((t as usize) < marks.len());
-        // SAFETY: `begin` made a mark for every tetrahedron.
-        unsafe { *marks.get_unchecked_mut(t as usize) = 1 };
-        if tets_len == room {
+    let mut giver = labels.begin(site.points().len());
+    // The list of entries is the queue too: those from `next` on have neighbours to be looked at. Lengths are kept here while the loop
+    // runs.
+    let (mut tets_len, mut faces_len, mut next) = (1, 0, 0);
+    let mut room = 0;
+    entries.clear();
+    entries.push(4 * start);
+    debug_assert!((start as usize) < marks.len());
+    // SAFETY: `begin` made a mark for every tetrahedron. Vertices of a live tetrahedron.
+    unsafe {
+        *marks.get_unchecked_mut(start as usize) = 1;
+        site.tet(start).v[1..].iter().for_each(|&v| giver.give(v));
+    }
+    let found_all = loop {
+        if next == room {
             // SAFETY: as many have been written.
             unsafe {
-                tets.set_len(tets_len);
+                entries.set_len(tets_len);
                 faces.set_len(faces_len);
-                queue.set_len(queue_len);
             }
-            // Twice as many, at least.
-            let more = 2 * tets_len.max(64);
-            tets.reserve(more - tets_len);
-            faces.reserve(3 * more + 4 - faces_len);
-            queue.reserve(3 * more + 4 - queue_len);
-            room = room_in(tets, faces, queue);
-            debug_assert!(room > tets_len);
+            room = make_room([&mut *entries, &mut *faces], next);
+            debug_assert!(room > next);
         }
-        // SAFETY: there is room for one more.
-        unsafe { tets.as_mut_ptr().add(tets_len).write(t) };
-        tets_len += 1;
+        // SAFETY: this one has been written.
+        let entry = unsafe { *entries.as_ptr().add(next) };
+        let t = tet_of(entry);
+        next += 1;
         // SAFETY: the start, or the neighbour of a live tetrahedron.
         let tet = unsafe { site.tet(t) };
         // SAFETY: vertices of a live tetrahedron.
         let mine = unsafe { own.of::<L>(&tet.v) };
         // SAFETY: a live tetrahedron that may be read.
         if mine != 0b1111 && !unsafe { may_go(site, tet, mine, own) } {
-            // SAFETY: as many have been written.
-            unsafe {
-                tets.set_len(tets_len);
-                faces.set_len(faces_len);
-                queue.set_len(queue_len);
-            }
-            return false;
+            break false;
         }
-        let conflict = if tet.is_ghost() {
-            // SAFETY: neighbours of a tetrahedron that may go.
-            unsafe { exact_conflicts(site, filter, tet, p, open, 0) }
-        } else {
-            // A ghost gets some other corner instead, so that the determinant has two equal rows and decides nothing.
-            // SAFETY: neighbours and vertices of live tetrahedra.
-            let apexes: [&DVec3; 4] = unsafe {
-                let apex = |slot: usize| {
-                    let face = tet.n[slot];
-                    let v = site.tet(tet_of(face)).v[slot_of(face)];
-                    site.point(if v == GHOST { tet.v[slot ^ 1] } else { v })
-                };
-                [apex(0), apex(1), apex(2), apex(3)]
-            };
-            let apexes = relative(L::load(apexes), centre);
-            // SAFETY: vertices of a live tetrahedron without the ghost.
-            let [a, b, c, d] = unsafe { tet.v.map(|v| site.point(v)) };
-            let a = with_lane::<L, 0>(relative(splat(a), centre), apexes);
-            let b = with_lane::<L, 1>(relative(splat(b), centre), apexes);
-            let c = with_lane::<L, 2>(relative(splat(c), centre), apexes);
-            let d = with_lane::<L, 3>(relative(splat(d), centre), apexes);
-            let det = insphere_lanes(a, b, c, d);
-            let (inside, outside) = (below.greater(det), det.greater(above));
-            let unsure = !(inside | outside) & open;
-            let mut conflict = inside & open;
-            if unsure != 0 {
-                // Inside out here too.
-                let [outside, inside, on] = insphere_lanes_again(filter, det, a, b, c, d);
-                conflict |= inside & unsure;
-                let unsure = unsure & !(inside | outside);
-                if unsure != 0 {
-                    // SAFETY: neighbours of a tetrahedron that may go.
-                    conflict |= unsafe { exact_conflicts(site, filter, tet, p, unsure, on) };
-                }
+        // It has three vertices in common with the one that it was found from.
+        // SAFETY: a vertex of a live tetrahedron.
+        unsafe { giver.give(tet.v[slot_of(entry)]) };
+        // The neighbours that are known to be in the cavity.
+        // SAFETY: `begin` made a mark for every tetrahedron.
+        let known = unsafe { marked(marks, tet) };
+        // SAFETY: neighbours of a tetrahedron that may be replaced.
+        let answer = unsafe {
+            if tet.is_ghost() {
+                exact_conflicts(site, filter, tet, p, !known & 0b1111, 0)
+            } else {
+                conflicts::<L>(site, filter, p, centre, (above, below), tet, known)
             }
-            conflict
         };
-        let border = open & !conflict;
+        let conflict = known | answer;
+        let (found, border) = (conflict & !known, !conflict & 0b1111);
+        // A byte for each bit.
+        let now = ((conflict * 0x0020_4081) & 0x0101_0101).to_le_bytes();
+        for (face, mark) in tet.n.into_iter().zip(now) {
+            // Whether it is in the cavity or not: which is a coin's toss.
+            // SAFETY: as above.
+            unsafe { *marks.get_unchecked_mut(tet_of(face) as usize) = mark };
+        }
         // SAFETY: there is room.
         unsafe {
             let handles = POSITIONS[border as usize & 15];
             let handles = [4 * t + handles[0], 4 * t + handles[1], 4 * t + handles[2], 4 * t + handles[3]];
             write_four(faces, faces_len, handles);
-            write_four(queue, queue_len, L::compress(&tet.n, conflict));
+            write_four(entries, tets_len, L::compress(&tet.n, found));
         }
         faces_len += border.count_ones() as usize;
-        queue_len += conflict.count_ones() as usize;
-        // A tetrahedron may be found in conflict across several faces.
-        loop {
-            if next == queue_len {
-                // SAFETY: as many have been written.
-                unsafe {
-                    tets.set_len(tets_len);
-                    faces.set_len(faces_len);
-                    queue.set_len(queue_len);
-                }
-                return true;
-            }
-            // SAFETY: this one has been written.
-            let face = unsafe { *queue.as_ptr().add(next) };
-            next += 1;
-            t = tet_of(face);
-            // SAFETY: as above.
-            if unsafe { *marks.get_unchecked(t as usize) } == 0 {
-                open = 0b1111 & !(1 << slot_of(face));
-                break;
-            }
+        tets_len += found.count_ones() as usize;
+        if next == tets_len {
+            break true;
         }
+    };
+    // SAFETY: as many have been written.
+    unsafe {
+        entries.set_len(tets_len);
+        faces.set_len(faces_len);
     }
+    tets.clear();
+    tets.extend(entries.iter().map(|&entry| tet_of(entry)));
+    labels.end(giver);
+    found_all
 }
 
-/// How many tetrahedra a cavity may have for the lists' memory. The first adds at most four to each, every other one
-/// three, and four are written at once.
+/// Which neighbours of a tetrahedron are in conflict with `p`. Those that are known to be need not be named.
+///
+/// # Safety
+/// The tetrahedron is live, without the ghost, and it may be replaced.
 #[inline(always)]
-fn room_in(tets: &Vec<u32>, faces: &Vec<u32>, queue: &Vec<u32>) -> usize {
-    tets.capacity().min(faces.capacity().min(queue.capacity()).saturating_sub(4) / 3)
+unsafe fn conflicts<L: Lanes>(
+    site: Site,
+    filter: &Filter,
+    p: DVec3,
+    centre: [L; 3],
+    (above, below): (L, L),
+    tet: &Tetrahedron,
+    known: u32,
+) -> u32 {
+    // SAFETY: vertices of a live tetrahedron without the ghost.
+    let corners = unsafe { tet.v.map(|v| site.point(v)) };
+    let beside = Beside::new(relative(L::load(corners), centre));
+    // A ghost gets some other corner instead, so that the determinant has two equal rows and decides nothing.
+    // SAFETY: neighbours and vertices of live tetrahedra.
+    let apexes: [&DVec3; 4] = unsafe {
+        let apex = |slot: usize| {
+            let v = site.apex(tet.n[slot]);
+            site.point(if v == GHOST { tet.v[slot ^ 1] } else { v })
+        };
+        [apex(0), apex(1), apex(2), apex(3)]
+    };
+    let apexes = relative(L::load(apexes), centre);
+    let det = insphere_lanes(&beside, apexes);
+    // The neighbour is turned inside out: on its sphere the determinant is of the opposite sign.
+    let (mut inside, outside) = (below.greater(det), det.greater(above));
+    let unsure = !(inside | outside | known) & 0b1111;
+    if unsure != 0 {
+        let [out, within, on] = insphere_lanes_again(filter, det, &beside, apexes);
+        inside |= within & unsure;
+        let unsure = unsure & !(within | out);
+        if unsure != 0 {
+            // SAFETY: neighbours of a tetrahedron that may go.
+            inside |= unsafe { exact_conflicts(site, filter, tet, p, unsure, on) };
+        }
+    }
+    inside
+}
+
+/// A bit for each neighbour that is marked.
+///
+/// # Safety
+/// There are marks for all neighbours.
+#[inline(always)]
+unsafe fn marked(marks: &[u8], tet: &Tetrahedron) -> u32 {
+    let mark = |slot: usize| {
+        let t = tet_of(tet.n[slot]) as usize;
+        debug_assert!(t < marks.len());
+        // SAFETY: the caller's promise.
+        u32::from(unsafe { *marks.get_unchecked(t) }) << slot
+    };
+    mark(0) | mark(1) | mark(2) | mark(3)
+}
+
+/// Makes the lists longer, and returns for how many tetrahedra's neighbours there is room in them: more than `done`. The first adds at most four
+/// to each list, every other one three, and four are written at once.
+#[cold]
+#[inline(never)]
+fn make_room(lists: [&mut Vec<u32>; 2], done: usize) -> usize {
+    const FIRST: usize = 8;
+    // Twice as many, at least.
+    let more = 3 * 2 * done.max(64) + FIRST;
+    let mut room = usize::MAX;
+    for list in lists {
+        if (list.capacity() - FIRST.min(list.capacity())) / 3 <= done {
+            list.reserve(more - list.len());
+        }
+        room = room.min((list.capacity() - FIRST) / 3);
+    }
+    room
 }
 
 /// # Safety

@@ -63,6 +63,16 @@ impl<'a> Site<'a> {
         tet
     }
 
+    /// The vertex opposite a face.
+    ///
+    /// # Safety
+    /// As [`tet`](Self::tet), for the face's tetrahedron.
+    #[inline(always)]
+    pub unsafe fn apex(self, face: u32) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { self.tet(tet_of(face)) }.v[slot_of(face)]
+    }
+
     /// Whether a place has a live tetrahedron.
     ///
     /// # Safety

@@ -1,57 +1,46 @@
 //! A cavity replaced by the star of the new vertex.
 //!
 //! The new tetrahedra find each other through the edges of the cavity's surface: each occurs once in either direction. The vertices
-//! of the surface get small labels, and a square table holds the face that each directed edge belongs to. It is written in one pass
-//! and read in a second, without clearing, hashing or branches. Only cavities with more than
+//! of the surface have small [labels](super::labels), and a square table holds the face that each directed edge belongs to. It is written in
+//! one pass and read in a second, without clearing, hashing or branches. Only cavities with more than
 //! 256 vertices are sorted instead.
 
-use super::cavity::{zeroed, Cavity};
+use std::mem::MaybeUninit;
+
+use super::cavity::Cavity;
+use super::labels::{Labels, ALIGNMENT};
 use super::site::Site;
 use super::topology::{slot_of, tet_of, Tetrahedron, EVEN_REST, GHOST, NONE};
 use super::Triangulation;
 
-/// A tetrahedron to come: its slots are free only once all of them have been read.
+/// A tetrahedron to come: its place is free only once all of them have been read.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 struct Planned {
     v: [u32; 4],
     /// The face outside the cavity.
     outside: u32,
-    /// The slot of the new vertex.
-    slot: u8,
-    /// The labels of [`REST`]'s slots.
-    labels: [u8; 3],
+    /// The labels of the vertices beside the new one, in the order of [`REST`], eight bits each.
+    labels: u32,
 }
 
-/// For each slot `i` the other three, ordered so that `(i, j, k, l)` is an even permutation of the slots.
-const REST: [[u8; 3]; 4] = {
-    let mut result = [[0; 3]; 4];
-    let mut i = 0;
-    while i < 4 {
-        let j = (i + 1) % 4;
-        let [k, l] = EVEN_REST[i][j];
-        result[i] = [j as u8, k as u8, l as u8];
-        i += 1;
-    }
-    result
-};
+/// Slots `i` and the three others, which are `i` xor each of these: in this order an even permutation.
+const REST: [usize; 3] = [1, 2, 3];
 
 /// Scratch memory for one star after another.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StarBuilder {
-    /// Of each vertex, behind the ghost's: the stamp of the star that it got a label in, shifted, and the label.
-    labels: Vec<u32>,
-    stamp: u32,
-    /// The face at each directed edge.
+    /// For large cavities: the face at each directed edge.
     table: Vec<u32>,
     planned: Vec<Planned>,
     sorted: Vec<(u64, u32)>,
+    /// Those of what a new tetrahedron comes from.
     regions: Vec<u16>,
 }
 
 /// Table sizes: most cavities have fewer than 32 vertices.
 const SMALL: usize = 32;
-const LARGE: usize = 256;
-const LABEL_BITS: u32 = LARGE.trailing_zeros();
+const LARGE: usize = ALIGNMENT as usize;
 
 /// The number of faces on a cavity's surface, which is a triangulated sphere, with that many vertices.
 const fn faces_of(vertices: usize) -> usize {
@@ -100,7 +89,7 @@ impl Cavity {
     /// The cavity is one of `site` as it is. Its tetrahedra, their neighbours, and what is at the places are nobody else's.
     #[inline]
     pub(super) unsafe fn fill(&mut self, site: Site, new: u32) -> usize {
-        let Cavity { marks, tets, faces, created, star, .. } = self;
+        let Cavity { marks, tets, faces, created, star, labels, .. } = self;
         debug_assert_eq!(faces.len(), created.len());
         for &t in tets.iter() {
             marks[t as usize] = 0;
@@ -108,89 +97,94 @@ impl Cavity {
         // SAFETY: the caller's promise.
         unsafe {
             match faces.len() {
-                n if n <= faces_of(SMALL) => star.build::<SMALL>(site, new, faces, created),
-                n if n <= faces_of(LARGE) => star.build::<LARGE>(site, new, faces, created),
+                n if n <= faces_of(SMALL) => build_small(site, new, faces, created, labels),
+                n if n <= faces_of(LARGE) => star.build_large(site, new, faces, created, labels),
                 _ => star.build_by_sorting(site, new, faces, created),
             }
+            if !labels.has_ghost() {
+                return 0;
+            }
+            created.iter().filter(|&&t| site.tet(t).is_ghost()).count()
         }
     }
 }
 
-/// `v` with `new` in a slot. Masked, so that there is neither a branch nor a wide read of what was just written in parts.
+/// For cavities of ordinary size. What it needs lies on the stack, where no register is needed to find it.
+///
+/// # Safety
+/// As [`Cavity::fill`], and there are at most `faces_of(SMALL)` faces.
+unsafe fn build_small(site: Site, new: u32, faces: &[u32], created: &[u32], labels: &Labels) {
+    let mut table = MaybeUninit::<[u32; SMALL * SMALL]>::uninit();
+    let mut planned = MaybeUninit::<[Planned; faces_of(SMALL)]>::uninit();
+    let (table, planned) = (table.as_mut_ptr().cast(), planned.as_mut_ptr().cast());
+    // SAFETY: the caller's promise.
+    unsafe { build::<SMALL>(site, new, (faces, created), labels, table, planned) };
+}
+
+/// # Safety
+/// As [`Cavity::fill`], and there are at most `faces_of(SIZE)` faces, so that they have at most `SIZE` vertices. In `table` there is room for a
+/// square of that many elements, in `planned` for all faces.
 #[inline(always)]
-fn with(v: [u32; 4], slot: usize, new: u32) -> [u32; 4] {
-    const MASK: [[u32; 4]; 4] = [[!0, 0, 0, 0], [0, !0, 0, 0], [0, 0, !0, 0], [0, 0, 0, !0]];
-    let mask = MASK[slot];
-    let select = |i: usize| (v[i] & !mask[i]) | (new & mask[i]);
-    [select(0), select(1), select(2), select(3)]
+unsafe fn build<const SIZE: usize>(
+    site: Site,
+    new: u32,
+    (faces, created): (&[u32], &[u32]),
+    labels: &Labels,
+    table: *mut u32,
+    planned: *mut Planned,
+) {
+    debug_assert!(faces.len() <= faces_of(SIZE));
+    // A power of two. As an alternative of bits, not as a sum, whose terms the compiler would add to the address one by one.
+    let at = |k: u32, l: u32| ((k % SIZE as u32 * SIZE as u32) | (l % SIZE as u32)) as usize;
+    for (i, (&face, &t)) in faces.iter().zip(created).enumerate() {
+        // SAFETY: a tetrahedron of the cavity, whose vertices have labels. There is room.
+        unsafe {
+            let (tet, slot) = (site.tet(tet_of(face)), slot_of(face));
+            let rest = REST.map(|other| slot ^ other);
+            let [a, b, c] = [labels.of(tet.v[rest[0]]), labels.of(tet.v[rest[1]]), labels.of(tet.v[rest[2]])];
+            table.add(at(b, c)).write(4 * t + rest[0] as u32);
+            table.add(at(c, a)).write(4 * t + rest[1] as u32);
+            table.add(at(a, b)).write(4 * t + rest[2] as u32);
+            let planned = planned.add(i);
+            // It is read again much later: writing it in parts costs nothing.
+            (&raw mut (*planned).v).write(tet.v);
+            (&raw mut (*planned).v[slot]).write(new);
+            (&raw mut (*planned).outside).write(tet.n[slot]);
+            (&raw mut (*planned).labels).write(a & 0xff | (b & 0xff) << 8 | c << 16);
+        }
+    }
+    for (i, (&face, &t)) in faces.iter().zip(created).enumerate() {
+        // SAFETY: the plans have been written, and so have all entries of the table, because the surface is closed. A place of the star, and
+        // a neighbour of the cavity.
+        unsafe {
+            let planned = planned.add(i);
+            let slot = slot_of(face) as u32;
+            let rest = REST.map(|other| slot ^ other as u32);
+            let (labels, outside) = ((*planned).labels, (*planned).outside);
+            let (a, b, c) = (labels, labels >> 8, labels >> 16);
+            // Not a whole tetrahedron at once: it would be read just after it was written in parts.
+            site.set_vertices(t, (*planned).v);
+            site.link(4 * t + slot, outside);
+            site.link(4 * t + rest[0], table.add(at(c, b)).read());
+            site.link(4 * t + rest[1], table.add(at(a, c)).read());
+            site.link(4 * t + rest[2], table.add(at(b, a)).read());
+            site.link(outside, 4 * t + slot);
+        }
+    }
 }
 
 impl StarBuilder {
+    /// For larger ones.
+    ///
     /// # Safety
-    /// As [`Cavity::fill`].
-    unsafe fn build<const SIZE: usize>(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
-        let vertices = site.points().len();
-        if self.labels.len() < vertices + 1 {
-            self.labels.resize((vertices + 1).next_power_of_two().max(64), 0);
-        }
-        if self.table.len() < SIZE * SIZE {
-            self.table.resize(SIZE * SIZE, NONE);
-        }
-        self.stamp += 1;
-        if self.stamp >> (u32::BITS - LABEL_BITS) != 0 {
-            self.labels.fill(0);
-            self.stamp = 1;
-        }
-        let stamp = self.stamp << LABEL_BITS;
-        let table = &mut self.table[..SIZE * SIZE];
-        let at = |k: u8, l: u8| k as usize % SIZE * SIZE + l as usize % SIZE;
-        if self.planned.len() < faces.len() {
-            self.planned.resize(2 * faces.len(), Planned::default());
-        }
-        let planned = &mut self.planned[..faces.len()];
-        let labels = &mut self.labels[..];
-        let mut count = 0;
-        // The ghost's entry is the first.
-        let mut label = |v: u32| {
-            let entry = &mut labels[v.wrapping_add(1) as usize];
-            let fresh = *entry < stamp;
-            let label = if fresh { stamp + count } else { *entry };
-            count += u32::from(fresh);
-            *entry = label;
-            label as u8
-        };
-        for ((&face, &t), planned) in faces.iter().zip(created).zip(planned.iter_mut()) {
-            // SAFETY: a tetrahedron of the cavity.
-            let (tet, slot) = (unsafe { site.tet(tet_of(face)) }, slot_of(face));
-            let [i, j, k] = REST[slot].map(|i| i as usize & 3);
-            let (a, b, c) = (label(tet.v[i]), label(tet.v[j]), label(tet.v[k]));
-            table[at(b, c)] = 4 * t + i as u32;
-            table[at(c, a)] = 4 * t + j as u32;
-            table[at(a, b)] = 4 * t + k as u32;
-            planned.v = with(tet.v, slot, new);
-            planned.outside = tet.n[slot];
-            planned.slot = slot as u8;
-            planned.labels = [a, b, c];
-        }
-        debug_assert_eq!(faces.len(), faces_of(count as usize));
-        let mut ghosts = 0;
-        for (planned, &t) in planned.iter().zip(created) {
-            let &Planned { v, outside, slot, labels: [a, b, c] } = planned;
-            let slot = slot as usize & 3;
-            let [i, j, k] = REST[slot].map(|i| i as usize & 3);
-            ghosts += usize::from(v[3] == GHOST);
-            // SAFETY: a place of the star, and a neighbour of the cavity.
-            unsafe {
-                // Not a whole tetrahedron at once: it would be read just after it was written in parts.
-                site.set_vertices(t, v);
-                site.link(4 * t + slot as u32, outside);
-                site.link(4 * t + i as u32, table[at(c, b)]);
-                site.link(4 * t + j as u32, table[at(a, c)]);
-                site.link(4 * t + k as u32, table[at(b, a)]);
-                site.link(outside, 4 * t + slot as u32);
-            }
-        }
-        ghosts
+    /// As [`Cavity::fill`], and there are at most `faces_of(LARGE)` faces.
+    #[cold]
+    unsafe fn build_large(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32], labels: &Labels) {
+        self.table.resize(LARGE * LARGE, NONE);
+        self.planned.resize(faces_of(LARGE), Planned::default());
+        let (table, planned) = (self.table.as_mut_ptr(), self.planned.as_mut_ptr());
+        // SAFETY: the caller's promise.
+        unsafe { build::<LARGE>(site, new, (faces, created), labels, table, planned) };
     }
 
     /// For stars of any size: the two faces of an edge become neighbours in sorted order.
@@ -198,25 +192,25 @@ impl StarBuilder {
     /// # Safety
     /// As [`Cavity::fill`].
     #[cold]
-    unsafe fn build_by_sorting(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
+    unsafe fn build_by_sorting(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) {
         let plan = |&face: &u32| {
             // SAFETY: a tetrahedron of the cavity.
             let (tet, slot) = (unsafe { site.tet(tet_of(face)) }, slot_of(face));
-            Planned { v: with(tet.v, slot, new), outside: tet.n[slot], slot: slot as u8, labels: [0; 3] }
+            let mut v = tet.v;
+            v[slot] = new;
+            Planned { v, outside: tet.n[slot], labels: 0 }
         };
         self.planned.clear();
         self.planned.extend(faces.iter().map(plan));
         self.sorted.clear();
-        let mut ghosts = 0;
-        for (planned, &t) in self.planned.iter().zip(created) {
-            let slot = planned.slot as usize;
-            ghosts += usize::from(planned.v[3] == GHOST);
+        for ((planned, &t), &face) in self.planned.iter().zip(created).zip(faces) {
+            let slot = slot_of(face);
             // SAFETY: a place of the star, and a neighbour of the cavity.
             unsafe {
                 site.put(t, Tetrahedron { v: planned.v, n: [planned.outside; 4] });
                 site.link(planned.outside, 4 * t + slot as u32);
             }
-            for j in REST[slot].map(usize::from) {
+            for j in REST.map(|other| slot ^ other) {
                 let [k, l] = EVEN_REST[slot][j].map(|i| planned.v[i]);
                 self.sorted.push((u64::from(k.min(l)) << 32 | u64::from(k.max(l)), 4 * t + j as u32));
             }
@@ -230,11 +224,5 @@ impl StarBuilder {
                 site.link(pair[1].1, pair[0].1);
             }
         }
-        ghosts
-    }
-
-    /// Memory for stars among that many vertices, or `false` where there is none.
-    pub fn reserve(&mut self, vertices: usize) -> bool {
-        self.labels.len() > vertices || zeroed(vertices + 1).map(|labels| self.labels = labels).is_some()
     }
 }
