@@ -1,0 +1,110 @@
+//! The surfaces of CGAL's demos (Debian's package libcgal-demo): each is meshed, conforming and with the volume that it encloses, or it is told
+//! why it can't be. Larger ones are left to `script/surfaces`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use wellspaced::{Control, DVec3, DomainElement, Error, Mesh, Plc, PlcFacet, RefineOptions, RefineStatus};
+
+const ARCHIVE: &str = "/usr/share/doc/libcgal-demo/data.tar.gz";
+/// Bytes of a file.
+const LARGEST: u64 = 120_000;
+
+/// The archive's surfaces.
+fn surfaces(folder: &Path) -> Vec<PathBuf> {
+    let unpack = Command::new("tar").args(["-xzf", ARCHIVE, "-C"]).arg(folder).status().expect("tar runs");
+    assert!(unpack.success(), "{ARCHIVE} is missing: script/install-packages installs it");
+    let mut found: Vec<PathBuf> = std::fs::read_dir(folder.join("data/meshes"))
+        .expect("the archive holds data/meshes")
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "off") && path.metadata().unwrap().len() <= LARGEST)
+        .collect();
+    found.sort();
+    assert!(found.len() > 80, "{} surfaces", found.len());
+    found
+}
+
+/// An .off file's polygons as facets; colours behind them are passed over.
+fn read(path: &Path) -> Plc {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split('#').next().unwrap().trim()).filter(|line| !line.is_empty());
+    let header = lines.next().unwrap();
+    assert!(header.ends_with("OFF"), "{header}");
+    let mut numbers = lines.flat_map(|line| line.split_whitespace().chain(["\n"]));
+    let count = |word: Option<&str>| word.unwrap().parse::<usize>().unwrap();
+    let (vertices, faces) = (count(numbers.next()), count(numbers.next()));
+    let mut end_line =
+        |numbers: &mut dyn Iterator<Item = &str>| while numbers.next().is_some_and(|word| word != "\n") {};
+    end_line(&mut numbers);
+    let mut plc = Plc::default();
+    for _ in 0..vertices {
+        let [x, y, z] = [(); 3].map(|()| numbers.find(|word| *word != "\n").unwrap().parse().unwrap());
+        plc.points.push(DVec3::new(x, y, z));
+        end_line(&mut numbers);
+    }
+    for _ in 0..faces {
+        let n = count(numbers.find(|word| *word != "\n"));
+        let polygon = (0..n).map(|_| count(numbers.next()) as u32).collect();
+        plc.facets.push(PlcFacet { polygons: vec![polygon], ..PlcFacet::default() });
+        end_line(&mut numbers);
+    }
+    plc
+}
+
+/// What a closed surface encloses.
+fn enclosed(plc: &Plc) -> f64 {
+    let at = |v: u32| plc.points[v as usize];
+    let fan = |p: &[u32]| (1..p.len() - 1).map(|i| at(p[0]).dot(at(p[i]).cross(at(p[i + 1])))).sum::<f64>();
+    plc.facets.iter().map(|facet| fan(&facet.polygons[0])).sum::<f64>().abs() / 6.0
+}
+
+fn volume(mesh: &Mesh) -> f64 {
+    let view = mesh.view();
+    let six = |t: &[u32; 4]| {
+        let [a, b, c, d] = t.map(|v| view.points[v as usize]);
+        (b - a).cross(c - a).dot(d - a)
+    };
+    view.tetrahedra.iter().map(six).sum::<f64>() / 6.0
+}
+
+#[test]
+fn surfaces_are_meshed_or_refused_with_a_reason() {
+    let folder = std::env::temp_dir().join(format!("wellspaced-surfaces-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (mut meshed, mut refused) = (Vec::new(), Vec::new());
+    for path in surfaces(&folder) {
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let surface = read(&path);
+        let mut plc = surface.clone();
+        plc.join_coplanar(0.01);
+        let closed = plc.check().defects.iter().all(|d| !format!("{:?}", d.kind).contains("Open"));
+        let mut mesh = match Mesh::from_plc(&plc, &Control::new()) {
+            Ok(mesh) => mesh,
+            Err(Error::InvalidDomain { element, problem }) => {
+                assert!(!problem.contains("recovered"), "{name}: {problem}");
+                // A surface without an element to blame is open, or flat.
+                let flat = problem.contains("lie in a plane");
+                assert!(element != DomainElement::Whole || flat || !closed, "{name}: {problem}");
+                refused.push(format!("{name}: {problem}"));
+                continue;
+            }
+            Err(other) => panic!("{name}: {other}"),
+        };
+        mesh.validate(3).unwrap_or_else(|defect| panic!("{name}: {defect}"));
+        let before = volume(&mesh);
+        if closed {
+            let expected = enclosed(&surface);
+            assert!((before / expected - 1.0).abs() < 1e-6, "{name}: volume {before}, the surface's is {expected}");
+        }
+        let options = RefineOptions { max_vertices: 100_000, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap_or_else(|defect| panic!("{name}: {defect}"));
+        assert!((volume(&mesh) / before - 1.0).abs() < 1e-9, "{name}");
+        assert!(matches!(report.status, RefineStatus::Done | RefineStatus::Unrefined), "{name}: {report:?}");
+        assert_eq!(report.unrefined.iter().sum::<usize>(), report.bad, "{name}");
+        meshed.push(name);
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    println!("meshed: {meshed:?}\nrefused: {refused:#?}");
+    assert!(meshed.len() >= 50, "{}", meshed.len());
+}
