@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::acute::Carrier;
 use super::facet::FacetTriangulation;
@@ -261,7 +261,7 @@ impl Boundary {
     /// small input angles have left an element encroached). `found` is filled, in order of ids.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
-        let mut seen: Vec<[u32; 2]> = Vec::new();
+        let mut seen = FxHashSet::default();
         let regions = &t.topology.region;
         let by_labels = self.parts_labels && !self.misses() && !self.recovering && !regions.is_empty();
         for &tet in &cavity.tets {
@@ -274,10 +274,10 @@ impl Boundary {
                         continue;
                     }
                     let key = edge_key([v[i], v[j]]);
-                    if !self.subsegments.contains_key(&key) || seen.contains(&key) {
+                    // Each is looked at once.
+                    if !self.subsegments.contains_key(&key) || !seen.insert(key) {
                         continue;
                     }
-                    seen.push(key);
                     if encroaches_segment(key.map(|v| t.at(v)), p) {
                         found.segments.push(key);
                     } else if t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)) {

@@ -6,6 +6,7 @@
 //! | [`check`] | every defect of a complex |
 //! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
+//! | `cut` | polygons that are not planar cut into triangles |
 //! | `join` | coplanar facets joined |
 //! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
@@ -25,6 +26,7 @@ pub(crate) mod acute;
 pub mod boundary;
 mod build;
 pub mod check;
+mod cut;
 pub mod facet;
 mod guard;
 mod join;

@@ -100,7 +100,7 @@ pub fn read(file: &InputFile) -> Result<Input, Failure> {
 /// Reads the content of a file.
 pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure> {
     let mut source = Source::new(path);
-    let content = match format {
+    let mut content = match format {
         Format::Poly => {
             let short = ending(path).as_deref() == Some("smesh");
             Content::Domain(poly::parse_poly(path, bytes, short, &mut source)?)
@@ -112,6 +112,11 @@ pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };
+    // What these files call a polygon need not be flat; a facet of a complex must be.
+    if let (Content::Domain(plc), true) = (&mut content, format.is_surface()) {
+        let origins = plc.cut_warped();
+        source.cut(&origins);
+    }
     Ok(Input { content, source })
 }
 

@@ -57,6 +57,13 @@ impl Source {
         self.facets = first;
     }
 
+    /// New facet `i` is a part of facet `origins[i]`.
+    pub fn cut(&mut self, origins: &[u32]) {
+        if !self.facets.is_empty() {
+            self.facets = origins.iter().map(|&old| self.facets[old as usize]).collect();
+        }
+    }
+
     /// The files that were read.
     pub fn files(&self) -> [&Path; 2] {
         [&self.path, &self.points_path]
