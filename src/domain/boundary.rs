@@ -286,8 +286,8 @@ impl Boundary {
                 }
             }
             if count(ON_FACET) >= 3 {
-                for slot in 0..4 {
-                    let across = tet_of(n[slot]);
+                for (slot, &beyond) in n.iter().enumerate() {
+                    let across = tet_of(beyond);
                     let goes = cavity.contains(across);
                     // Each face is looked at once. A facet that parts two regions shows in their labels.
                     if goes && across < tet || by_labels && regions[tet as usize] == regions[across as usize] {
