@@ -16,7 +16,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{DVec3, Error};
 
 /// An edge's key: lower vertex first.
 pub fn edge_key([a, b]: [u32; 2]) -> [u32; 2] {
@@ -88,6 +88,8 @@ pub struct Boundary {
     pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
     /// Vertices have been taken away: some element may be encroached that nothing has queued.
     pub(crate) relaxed: bool,
+    /// What insertions have taken out of the triangulation. All of it waits in the queues, too, or is blocked; some of it has been split since.
+    missing: Encroached,
 }
 
 impl Boundary {
@@ -245,8 +247,22 @@ impl Boundary {
         // What the vertex has removed from the triangulation is split at any angle.
         let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
         let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
-        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v) || !is_edge(edge));
-        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v) || !is_face(face));
+        let mut missing = std::mem::take(&mut self.missing);
+        found.segments.retain(|&edge| {
+            let there = is_edge(edge);
+            if !there {
+                missing.segments.push(edge);
+            }
+            !there || self.vertex_encroaches_segment(t, edge, v)
+        });
+        found.facets.retain(|&face| {
+            let there = is_face(face);
+            if !there {
+                missing.facets.push(face);
+            }
+            !there || self.vertex_encroaches_facet(t, face, v)
+        });
+        self.missing = missing;
         self.enqueue(&found);
     }
 
@@ -397,16 +413,76 @@ impl Boundary {
         for &edge in segments {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
+            if around.is_empty() {
+                self.missing.segments.push(edge_key(edge));
+            }
             if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
                 self.pending_segments.push_back(edge_key(edge));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
+            if around.is_empty() {
+                self.missing.facets.push(face_key(face));
+            }
             if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
                 self.pending_facets.push_back(face_key(face));
             }
         }
+    }
+
+    /// Takes a subsegment that is missing from the triangulation, to split it although it may be blocked.
+    pub(crate) fn pop_missing_segment(&mut self, t: &Triangulation) -> Option<[u32; 2]> {
+        while let Some(edge) = self.missing.segments.pop() {
+            if self.subsegments.contains_key(&edge) && t.topology.find_edge(edge[0], edge[1]).is_none() {
+                self.blocked_segments.remove(&edge);
+                return Some(edge);
+            }
+        }
+        None
+    }
+
+    /// The same for subfacets.
+    pub(crate) fn pop_missing_facet(&mut self, t: &Triangulation) -> Option<[u32; 3]> {
+        while let Some(face) = self.missing.facets.pop() {
+            if self.subfacets.contains_key(&face) && t.topology.find_face(face).is_none() {
+                self.blocked_facets.remove(&face);
+                return Some(face);
+            }
+        }
+        None
+    }
+
+    /// A subfacet is still missing after all.
+    pub(crate) fn push_missing_facet(&mut self, face: [u32; 3]) {
+        self.missing.facets.push(face);
+    }
+
+    /// Memory for what one split adds, mostly.
+    pub(crate) fn reserve(&mut self) -> Result<(), Error> {
+        const MORE: usize = 64;
+        let Boundary { kinds, carriers, subsegments, subfacets, pending_segments, pending_facets, .. } = self;
+        let reserved = kinds.try_reserve(MORE).and_then(|()| carriers.try_reserve(MORE)).is_ok()
+            && subsegments.try_reserve(MORE).is_ok()
+            && subfacets.try_reserve(MORE).is_ok()
+            && pending_segments.try_reserve(MORE).is_ok()
+            && pending_facets.try_reserve(MORE).is_ok();
+        if reserved {
+            Ok(())
+        } else {
+            Err(Error::OutOfMemory { what: "boundary" })
+        }
+    }
+
+    /// The bytes of its lists, about.
+    pub(crate) fn bytes(&self) -> usize {
+        // A byte of control for each place of a map.
+        self.subsegments.capacity() * (size_of::<([u32; 2], u32)>() + 1)
+            + self.subfacets.capacity() * (size_of::<([u32; 3], u32)>() + 1)
+            + self.pending_segments.capacity() * size_of::<[u32; 2]>()
+            + self.pending_facets.capacity() * size_of::<[u32; 3]>()
+            + self.carriers.capacity() * size_of::<Carrier>()
+            + self.kinds.capacity()
     }
 
     /// The first missing element: every subsegment is an edge and every subfacet a face of the triangulation when there is none.

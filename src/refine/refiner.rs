@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::limits::Limits;
 use super::queue::{shortest_edge, Queue};
 use super::split::Split;
 use super::{RefineOptions, RefineStatus};
@@ -39,6 +40,7 @@ pub struct Refiner<'a> {
     radius_edge: f64,
     rule: Rule,
     max_vertices: usize,
+    pub limits: Limits,
     pub min_edge: f64,
     /// Tries to do with fewer samples, if that is wanted.
     pub sparsifier: Option<Sparsifier>,
@@ -63,17 +65,19 @@ pub struct Refiner<'a> {
 
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
+/// A refinement that stops splits no more missing elements than this.
+const MOST_MISSING: usize = 256;
 
 impl<'a> Refiner<'a> {
     pub fn new(t: &'a mut Triangulation, boundary: &'a mut Boundary, options: &RefineOptions) -> Refiner<'a> {
-        let (low, high) = t.bounding_box();
-        let default = (high - low).length() * (1.0 / (1u64 << 40) as f64);
+        let default = t.least_edge();
         Refiner {
             t,
             boundary,
             radius_edge: options.radius_edge,
             rule: options.rule,
             max_vertices: options.max_vertices,
+            limits: Limits::new(options),
             min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
             sparsifier: None,
             edge: 0.0,
@@ -109,11 +113,16 @@ impl<'a> Refiner<'a> {
     /// The whole loop.
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
+        if !self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1) {
+            return Err(Error::OutOfMemory { what: "marks" });
+        }
         self.boundary.unblock(self.t);
         if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
-        watch(self.t, &mut self.queue, self.radius_edge, self.t.topology.finite());
+        if !self.watch_all(control)? {
+            return Ok(RefineStatus::Cancelled);
+        }
         let mut turns = 0usize;
         loop {
             if let Some(status) = self.limit(&mut turns, "refine", control) {
@@ -122,10 +131,45 @@ impl<'a> Refiner<'a> {
             if self.boundary_step()? {
                 continue;
             }
-            let Some(t) = self.queue.pop(self.t) else { break };
+            let Some(t) = self.queue.pop(self.t)? else { break };
             self.mend(t)?;
         }
         Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
+    }
+
+    /// Splits what insertions have taken out of the triangulation, whatever the limits say: where a refinement stops half-way, every
+    /// subsegment is an edge and every subfacet a face all the same. Only facets that can't hold their points exactly ever need it, and few splits do.
+    /// Returns whether that is so: not where coordinates are too coarse.
+    pub fn conform(&mut self) -> Result<bool, Error> {
+        let min_edge = self.min_edge;
+        self.min_edge = min_edge.min(self.t.least_edge());
+        let done = self.split_missing();
+        self.min_edge = min_edge;
+        done
+    }
+
+    fn split_missing(&mut self) -> Result<bool, Error> {
+        let mut whole = true;
+        // Where coordinates are too coarse for the facets, each split may take out another.
+        for _ in 0..MOST_MISSING {
+            if let Some(edge) = self.boundary.pop_missing_segment(self.t) {
+                whole &= self.split_segment(edge)? != Split::Blocked;
+                continue;
+            }
+            let Some(face) = self.boundary.pop_missing_facet(self.t) else { return Ok(whole) };
+            let split = self.split_facet(face)?;
+            whole &= split != Split::Blocked;
+            if split == Split::Deferred {
+                // Each of them is split or blocked then, so the facet's turn comes.
+                self.boundary.push_missing_facet(face);
+                for edge in std::mem::take(&mut self.encroached.segments) {
+                    if self.boundary.is_subsegment(edge) {
+                        self.split_segment(edge)?;
+                    }
+                }
+            }
+        }
+        Ok(false)
     }
 
     fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
@@ -141,8 +185,30 @@ impl<'a> Refiner<'a> {
         if !go_on {
             return Some(RefineStatus::Cancelled);
         }
-        let work_left = open > 0;
-        (vertices >= self.max_vertices && work_left).then_some(RefineStatus::VertexLimit)
+        if open == 0 {
+            return None;
+        }
+        if vertices >= self.max_vertices {
+            return Some(RefineStatus::VertexLimit);
+        }
+        let Refiner { limits, t, boundary, queue, cavity, .. } = self;
+        limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes())
+    }
+
+    /// Queues all bad tetrahedra; false when cancelled.
+    fn watch_all(&mut self, control: &Control) -> Result<bool, Error> {
+        /// Places looked at between two looks at the control.
+        const BLOCK: usize = 1 << 14;
+        let end = self.t.topology.tets.len();
+        for first in (0..end).step_by(BLOCK) {
+            if !control.poll() {
+                return Ok(false);
+            }
+            let t = &*self.t;
+            let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
+            watch(t, &mut self.queue, self.radius_edge, (first as u32..end.min(first + BLOCK) as u32).filter(finite))?;
+        }
+        Ok(true)
     }
 
     /// Splits one boundary element if any waits. Returns false when none does.
@@ -188,7 +254,7 @@ impl<'a> Refiner<'a> {
         }
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
-                self.queue.push(self.t, tet, length2);
+                self.queue.push(self.t, tet, length2)?;
             } else {
                 self.refused = true;
             }
@@ -207,7 +273,7 @@ impl<'a> Refiner<'a> {
         self.cavity.clear();
         let t = &*self.t;
         let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
-        watch(t, &mut self.queue, self.radius_edge, live);
+        watch(t, &mut self.queue, self.radius_edge, live)?;
         Ok(true)
     }
 
@@ -263,7 +329,7 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Spared);
         }
         let new = self.insert_prepared(p)?;
-        self.finish();
+        self.finish()?;
         Ok(Placed::Inserted(new))
     }
 
@@ -275,15 +341,16 @@ impl<'a> Refiner<'a> {
     }
 
     /// Looks at the tetrahedra that the last insertion created.
-    pub(super) fn finish(&mut self) {
-        if self.watching {
-            watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied());
+    pub(super) fn finish(&mut self) -> Result<(), Error> {
+        if !self.watching {
+            return Ok(());
         }
+        watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied())
     }
 }
 
 /// Queues those tetrahedra that are in the domain and bad.
-fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) {
+fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) -> Result<(), Error> {
     let mut inside = tets.filter(|&tet| t.is_inside(tet));
     loop {
         let (mut four, mut count) = ([0; 4], 0);
@@ -292,14 +359,14 @@ fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iter
             count += 1;
         }
         if count == 0 {
-            return;
+            return Ok(());
         }
         let last = four[count - 1];
         four[count..].fill(last);
         let corners = four.map(|tet| t.corner_refs(tet));
         let (bad, shortest) = four_exceed_radius_edge(&corners, radius_edge);
         for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            queue.push(t, four[i], shortest[i]);
+            queue.push(t, four[i], shortest[i])?;
         }
     }
 }

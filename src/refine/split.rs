@@ -22,6 +22,7 @@ pub enum Split {
 impl Refiner<'_> {
     /// Rule 1: splits a subsegment near its middle.
     pub(super) fn split_segment(&mut self, edge: [u32; 2]) -> Result<Split, Error> {
+        self.boundary.reserve()?;
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
         let start =
@@ -44,7 +45,7 @@ impl Refiner<'_> {
                 let new = self.insert_prepared(p)?;
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created);
                 self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
-                self.finish();
+                self.finish()?;
                 self.segment_splits += 1;
                 Ok(Split::Done(new))
             }
@@ -58,6 +59,7 @@ impl Refiner<'_> {
 
     /// Rule 2: inserts a subfacet's circumcentre, unless that encroaches upon a subsegment, which then is queued before it.
     pub(super) fn split_facet(&mut self, face: [u32; 3]) -> Result<Split, Error> {
+        self.boundary.reserve()?;
         let corners = face.map(|v| self.t.at(v));
         let p = flush_tiny(triangle_circumcenter(corners[0], corners[1], corners[2]));
         let start = self.t.face_tetrahedron(face).unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
@@ -86,7 +88,7 @@ impl Refiner<'_> {
         debug_assert_eq!(inserted, new);
         self.boundary.facet_changed(self.t, new, facet, &change, &self.cavity.created);
         self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached));
-        self.finish();
+        self.finish()?;
         self.facet_splits += 1;
         Ok(Split::Done(new))
     }
