@@ -5,6 +5,8 @@
 //   cgal_crosscheck refine FILE BETA RULE    FILE: a .poly of a box; RULE: paper or circumcenter
 //   cgal_crosscheck step FILE BETA RULE      the same, as a host would: ask for an edge, its batch, insert it
 //   cgal_crosscheck list                     the sets
+//
+// The calls are made in the floating-point mode that WELLSPACED_TEST_MODE names: host_mode.hpp.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -23,6 +25,7 @@
 #include "cgal/point_sets.hpp"
 #include "cgal/poly_file.hpp"
 #include "cgal/reference.hpp"
+#include "host_mode.hpp"
 #include "wellspaced.h"
 
 namespace {
@@ -42,7 +45,8 @@ void done(wsp_status status, const char* call) {
   if (status != WSP_DONE)
     fail(std::string(call) + ": " + wsp_status_string(status) + (status < 0 ? std::string(": ") + wsp_last_error() : ""));
 }
-#define DONE(call) done(call, #call)
+#define IN_MODE(call) host_mode::in_mode([&] { return call; })
+#define DONE(call) done(IN_MODE(call), #call)
 
 struct Free {
   void operator()(wsp_triangulation* t) const { wsp_triangulation_free(t); }
@@ -317,7 +321,7 @@ void step(const std::string& path, double beta, const std::string& rule) {
   for (;; ++steps) {
     wsp_edge edge;
     std::size_t count = 0;
-    const wsp_status status = wsp_bad_short_edges(t, beta, &edge, 1, &count);
+    const wsp_status status = IN_MODE(wsp_bad_short_edges(t, beta, &edge, 1, &count));
     if (count > 1) require(status == WSP_INCOMPLETE, "a list cut short is not said to be incomplete");
     else done(status, "wsp_bad_short_edges");
     if (count == 0) break;

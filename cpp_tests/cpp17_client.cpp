@@ -296,6 +296,35 @@ void test_control() {
     other.insert(points);
     other.validate();
 
+    // What a log throws, too.
+    std::vector<std::string> lines;
+    wsp::control logging;
+    logging.set_log([&](std::uint32_t level, const char* text) {
+        CHECK(level == WSP_LOG_INFO || level == WSP_LOG_WARNING);
+        lines.emplace_back(text);
+    });
+    wsp::triangulation logged;
+    CHECK(logged.insert(points, logging) == WSP_DONE);
+    CHECK(lines.size() == 1 && lines[0].find("delaunay: ") == 0);
+    CHECK(logged.validate(logging) == WSP_DONE);
+    logging.set_log([](std::uint32_t, const char*) { throw own_exception("from the log", 43); });
+    try {
+        logged.refine(wsp::refine_options(2.0), logging);
+        CHECK(false);
+    } catch (const own_exception& e) {
+        CHECK(e.number == 43);
+    }
+    logged.validate();
+    CHECK(logged.validate(logging) == WSP_CANCELLED);
+    logging.set_log(nullptr);
+    logging.reset();
+    wsp::refine_options limited(1.2);
+    limited.max_memory = 1;
+    CHECK(logged.refine(limited, logging).status == WSP_MEMORY_LIMIT);
+    limited.max_memory = 0;
+    limited.max_seconds = 1e-9;
+    CHECK(logged.refine(limited, logging).status == WSP_TIME_LIMIT);
+
     wsp::control silent;
     wsp::triangulation quiet;
     CHECK(quiet.insert(scattered(10), silent) == WSP_DONE);

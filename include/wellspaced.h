@@ -106,6 +106,16 @@
 #define WSP_INCOMPLETE 4
 
 /**
+ * The seconds were over. The mesh is valid, but some tetrahedra may exceed the bound.
+ */
+#define WSP_TIME_LIMIT 5
+
+/**
+ * More memory would have been needed than allowed. The mesh is valid, but some tetrahedra may exceed the bound.
+ */
+#define WSP_MEMORY_LIMIT 6
+
+/**
  * A fault of the library, caught. The handle that was being used answers nothing but its `_free` from now on.
  */
 #define WSP_ERR_INTERNAL -1
@@ -245,6 +255,16 @@
  * More is tried: three to five times the time, for about a tenth fewer Steiner points.
  */
 #define WSP_SPARSIFY_THOROUGH 3
+
+/**
+ * A line for information: what a call is doing, some lines a call.
+ */
+#define WSP_LOG_INFO 1
+
+/**
+ * A warning: a call has ended at a limit, or with something that can't be mended.
+ */
+#define WSP_LOG_WARNING 2
 
 /**
  * The complex as a whole.
@@ -543,11 +563,12 @@ typedef struct wsp_refine_options {
     double radius_edge;
     /**
      * No Steiner point is added nearer than this to a vertex, in the units of the coordinates. 0, the default,
-     * takes 2^-40 of the diagonal of the points' bounding box.
+     * takes 2^-40 of the diagonal of the points' bounding box, but no less than 2^-46 of the largest coordinate.
      */
     double min_edge;
     /**
-     * No vertex is added beyond this many, input included. Default: 100 million.
+     * No vertex is added beyond this many, input included, but for the few that may be needed to keep segments and facets whole where their
+     * points can't stand exactly on them (WSP_VERTEX_LIMIT). Default: 100 million.
      */
     size_t max_vertices;
     /**
@@ -571,6 +592,15 @@ typedef struct wsp_refine_options {
      * Must be 0.
      */
     uint32_t reserved2;
+    /**
+     * The refinement stops after so many seconds (WSP_TIME_LIMIT). 0, the default: no limit.
+     */
+    double max_seconds;
+    /**
+     * The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views and
+     * small lists are not counted. 0, the default: no limit.
+     */
+    size_t max_memory;
 } wsp_refine_options;
 
 /**
@@ -586,7 +616,7 @@ typedef struct wsp_progress {
      */
     uint32_t flags;
     /**
-     * What is being done now: "delaunay", "boundary", "refine".
+     * What is being done now: "delaunay", "boundary", "refine", "sparsify", "validate", "view".
      */
     const char *stage;
     /**
@@ -607,6 +637,12 @@ typedef struct wsp_progress {
  * call that it runs in (WSP_ERR_BUSY); others are free.
  */
 typedef int32_t (*wsp_progress_callback)(void *user, const struct wsp_progress *progress);
+
+/**
+ * Told what calls do, line by line: `level` is a WSP_LOG_ constant (later versions may have more), `text` is UTF-8 without a line's end, valid
+ * during the callback only. It runs as a wsp_progress_callback does, and the same is forbidden to it.
+ */
+typedef void (*wsp_log_callback)(void *user, uint32_t level, const char *text);
 
 /**
  * A kind of defect: one of the WSP_DEFECT_ constants. From WSP_DEFECT_DUPLICATE_POINT on they are warnings: the
@@ -760,7 +796,8 @@ typedef struct wsp_origin {
 } wsp_origin;
 
 /**
- * What a refinement did, and the mesh's quality now. Fill it with wsp_report_init before it is given to wsp_refine.
+ * What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
+ * `tetrahedra` and `bad` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
  */
 typedef struct wsp_report {
     /**
@@ -970,6 +1007,15 @@ wsp_status wsp_refine_options_init(struct wsp_refine_options *options, size_t si
 wsp_status wsp_control_new(wsp_progress_callback callback,
                            void *user,
                            struct wsp_control **out);
+
+/**
+ * Gives calls that begin with `control` from now on a log; NULL for `callback` takes it away. `user` is handed to the callback as it is: what it
+ * points to must live until those calls have ended. Any thread. Constant time.
+ * Errors: WSP_ERR_NULL (`control`).
+ */
+wsp_status wsp_control_set_log(struct wsp_control *control,
+                               wsp_log_callback callback,
+                               void *user);
 
 /**
  * Frees a control; NULL is ignored. Calls that are running with it keep what they need of it, the callback and
@@ -1212,7 +1258,7 @@ wsp_status wsp_triangulation_use_hull_as_domain(struct wsp_triangulation *triang
  *
  * `*out` belongs to the caller: free it with wsp_triangulation_free. On an error it is NULL.
  * Cost: linear in the triangulation.
- * Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+ * Errors: WSP_ERR_NULL, WSP_ERR_MEMORY, WSP_ERR_BUSY.
  */
 wsp_status wsp_triangulation_clone(const struct wsp_triangulation *triangulation,
                                    struct wsp_triangulation **out);
@@ -1231,7 +1277,8 @@ void wsp_triangulation_free(struct wsp_triangulation *triangulation);
  * does not depend on the order of insertion.
  *
  * All or nothing: after an error or WSP_CANCELLED the triangulation is as it was, and `ids` too.
- * `n` may be 0, `xyz` is then not looked at. `control` may be NULL. `xyz` and `ids` may overlap.
+ * `n` may be 0, `xyz` is then not looked at; nor is it for an `n` that ids can't number (WSP_ERR_TOO_MANY). A coordinate of -0 is stored as 0.
+ * `control` may be NULL. `xyz` and `ids` may overlap.
  *
  * Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
  * with about a million points a second or two.
@@ -1314,6 +1361,15 @@ wsp_status wsp_triangulation_validate(const struct wsp_triangulation *triangulat
                                       double radius_edge);
 
 /**
+ * wsp_triangulation_validate that `control`, which may be NULL, follows and cancels: WSP_CANCELLED then.
+ * Errors: those of wsp_triangulation_validate.
+ */
+wsp_status wsp_triangulation_validate_within(const struct wsp_triangulation *triangulation,
+                                             uint32_t level,
+                                             double radius_edge,
+                                             struct wsp_control *control);
+
+/**
  * Makes `view` an empty mesh. `size` is `sizeof *view`.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
  */
@@ -1324,10 +1380,18 @@ wsp_status wsp_mesh_view_init(struct wsp_mesh_view *view, size_t size);
  * valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
  *
  * Cost: the arrays are made at the first call after a change, in linear time; further calls cost nothing.
- * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_MEMORY, WSP_ERR_BUSY; `view` is left as it was.
  */
 wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
                                   struct wsp_mesh_view *view);
+
+/**
+ * wsp_triangulation_view that `control`, which may be NULL, follows and cancels: WSP_CANCELLED then, and `view` is left as it was.
+ * Errors: those of wsp_triangulation_view.
+ */
+wsp_status wsp_triangulation_view_within(const struct wsp_triangulation *triangulation,
+                                         struct wsp_mesh_view *view,
+                                         struct wsp_control *control);
 
 /**
  * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first,
@@ -1448,8 +1512,9 @@ wsp_status wsp_report_init(struct wsp_report *report, size_t size);
  * keep their ids, Steiner points are numbered behind them. With `sparsify` on, as it is by default, Steiner points of earlier calls
  * may be taken away too, and those that remain get new ids without gaps; with WSP_SPARSIFY_OFF all keep their ids.
  *
- * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
- * the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
+ * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_TIME_LIMIT, WSP_MEMORY_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and
+ * usable, and the call may be repeated to go on. A cancellation is answered within some milliseconds; ids of Steiner points may have
+ * gaps then, until a later call closes them. `options` and `control` may be NULL. `report` may be NULL; it is
  * written for all statuses of 0 and above, and left as it was after an error.
  *
  * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.

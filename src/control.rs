@@ -1,7 +1,8 @@
-//! Progress and cancellation of long calls: one handle that a host shares with the call.
+//! Progress, cancellation and log of long calls: one handle that a host shares with the call.
 //!
 //! The core polls [`Control::poll`] between insertions; the cost of a poll is one relaxed atomic
-//! load, and the progress callback runs only every few hundred insertions.
+//! load, and the progress callback runs only every few hundred insertions. Where nothing is inserted, it looks at the control
+//! about every millisecond.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use std::sync::Arc;
 /// What a long call is doing now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// The stage: `"delaunay"`, `"boundary"` or `"refine"`.
+    /// The stage: `"delaunay"`, `"boundary"`, `"refine"`, `"sparsify"`, `"validate"` or `"view"`.
     pub stage: &'static str,
     /// From 0 to 1, never falling within a stage. Refinement can't know its end and
     /// approaches 1 by what is left in its queues.
@@ -21,6 +22,19 @@ pub struct Progress {
 /// The callback's type: it returns `false` to cancel.
 pub type ProgressCallback = dyn Fn(Progress) -> bool + Send + Sync;
 
+/// How much a line of the log matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum LogLevel {
+    /// What a call is doing, some lines a call.
+    Info,
+    /// A call has ended before it was done: a limit was reached, or something could not be mended.
+    Warning,
+}
+
+/// The log's type.
+pub type LogCallback = dyn Fn(LogLevel, &str) + Send + Sync;
+
 /// A handle through which a host follows and cancels a long call.
 ///
 /// Clones share the cancel flag and the callback. `Control::default()` never cancels.
@@ -28,6 +42,7 @@ pub type ProgressCallback = dyn Fn(Progress) -> bool + Send + Sync;
 pub struct Control {
     cancel: Arc<AtomicBool>,
     progress: Option<Arc<ProgressCallback>>,
+    log: Option<Arc<LogCallback>>,
 }
 
 impl Control {
@@ -38,7 +53,19 @@ impl Control {
 
     /// A control that reports progress to `callback`, which returns `false` to cancel.
     pub fn with_progress(callback: impl Fn(Progress) -> bool + Send + Sync + 'static) -> Self {
-        Control { cancel: Arc::default(), progress: Some(Arc::new(callback)) }
+        Control { progress: Some(Arc::new(callback)), ..Control::default() }
+    }
+
+    /// The same control with a log: `callback` is called on the thread of the call, in order.
+    pub fn with_log(mut self, callback: impl Fn(LogLevel, &str) + Send + Sync + 'static) -> Self {
+        self.log = Some(Arc::new(callback));
+        self
+    }
+
+    /// The same control without a log.
+    pub fn without_log(mut self) -> Self {
+        self.log = None;
+        self
     }
 
     /// Asks the running call, and every later one with this control, to stop. Any thread may call it.
@@ -66,6 +93,22 @@ impl Control {
         !self.is_cancelled()
     }
 
+    /// Writes a line to the log; the text is made only if there is one.
+    pub(crate) fn log(&self, level: LogLevel, text: impl FnOnce() -> String) {
+        if let Some(log) = &self.log {
+            log(level, &text());
+        }
+    }
+
+    /// [`poll`](Self::poll) as a result.
+    pub(crate) fn check(&self) -> Result<(), crate::Error> {
+        if self.poll() {
+            Ok(())
+        } else {
+            Err(crate::Error::Cancelled)
+        }
+    }
+
     /// The cheap question of a loop's every turn.
     pub(crate) fn poll(&self) -> bool {
         !self.is_cancelled()
@@ -77,6 +120,7 @@ impl std::fmt::Debug for Control {
         f.debug_struct("Control")
             .field("cancelled", &self.is_cancelled())
             .field("progress", &self.progress.is_some())
+            .field("log", &self.log.is_some())
             .finish()
     }
 }

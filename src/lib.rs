@@ -24,13 +24,14 @@ pub mod domain;
 mod error;
 pub mod geometry;
 pub mod host;
+mod memory;
 pub mod mesh;
 pub mod refine;
 pub mod sampler;
 pub mod sparsify;
 pub mod triangulation;
 
-pub use control::{Control, Progress};
+pub use control::{Control, LogLevel, Progress};
 pub use domain::check::{PlcCheck, PlcDefect, PlcDefectKind, Severity, SmallAngle};
 pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
 pub use error::{DomainElement, Error};

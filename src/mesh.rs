@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
 use crate::refine::sizing::{Sizes, Sizing};
@@ -15,7 +16,7 @@ use crate::refine::Unrefined;
 use crate::sparsify::{Sparsifier, Sparsify};
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
-use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
+use crate::{memory, Control, Error, LogLevel, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// Why tetrahedra were left as they are, by their vertices.
 type Reasons = FxHashMap<[u32; 4], Unrefined>;
@@ -29,6 +30,8 @@ pub struct Mesh {
     input_vertices: usize,
     /// Their ids are below this, and no others are.
     input_slots: usize,
+    /// Ids of Steiner points are missing: a call was cancelled before it could close the gaps.
+    has_gaps: bool,
     view: OnceLock<View>,
 }
 
@@ -254,6 +257,10 @@ impl Mesh {
         control: &Control,
     ) -> Result<RefineReport, Error> {
         options.check()?;
+        control.log(LogLevel::Info, || {
+            let RefineOptions { radius_edge, rule, .. } = options;
+            format!("refine: {} vertices, radius-edge bound {radius_edge}, rule {rule:?}", self.t.vertex_count())
+        });
         if self.domain.is_none() {
             self.use_hull_as_domain()?;
         }
@@ -274,16 +281,18 @@ impl Mesh {
                 let first = self.input_slots as u32;
                 refiner.sparsifier = Some(Sparsifier::new(level, options.radius_edge, refiner.min_edge, first));
             }
+            let mut limits = refiner.limits;
             let result = refiner.refine(control);
             at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
             let sparsifier = refiner.sparsifier.take();
             domain.boundary.kept = false;
-            status = self.thin_out(sparsifier, result, control, &mut taken, &mut reasons)?;
+            status = self.thin_out(sparsifier, result, (control, &mut limits), &mut taken, &mut reasons)?;
         }
-        let mut report = self.report_with(options.radius_edge, status, &reasons);
-        if let Some(at_vertices) = at_vertices {
+        tell(control, status, self.t.vertex_count());
+        let mut report = self.report_unless_cancelled(options.radius_edge, status, &reasons);
+        if let Some(at_vertices) = at_vertices.filter(|_| status != RefineStatus::Cancelled) {
             let mut sizes = Sizes::new(*sizing, &volumes).with_vertices(at_vertices);
             let inside: Vec<u32> = self.inside().collect();
             report.too_large = inside.chunks(4096).map(|some| sizes.too_large(&self.t, some).len()).sum();
@@ -291,7 +300,8 @@ impl Mesh {
         let waits =
             |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
         let left = report.bad > 0 || report.too_large > 0 || self.boundary().is_some_and(waits);
-        if !left && report.status != RefineStatus::Cancelled {
+        let others = matches!(report.status, RefineStatus::VertexLimit | RefineStatus::Unrefined);
+        if !left && others {
             // A limit was met with nothing left to do, or what was refused has been mended on the way.
             report.status = RefineStatus::Done;
         }
@@ -306,20 +316,24 @@ impl Mesh {
         &mut self,
         sparsifier: Option<Sparsifier>,
         result: Result<RefineStatus, Error>,
-        control: &Control,
+        (control, limits): (&Control, &mut Limits),
         taken: &mut [usize; 2],
         reasons: &mut Reasons,
     ) -> Result<RefineStatus, Error> {
         let (Some(mut sparsifier), Some(domain)) = (sparsifier, &mut self.domain) else { return result };
         let result = match result {
             Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) => {
-                let finished = sparsifier.run(&mut self.t, &mut domain.boundary, control);
-                finished.map(|finished| if finished { status } else { RefineStatus::Cancelled })
+                let stopped = sparsifier.run(&mut self.t, &mut domain.boundary, control, limits);
+                stopped.map(|stopped| stopped.unwrap_or(status))
             }
             other => other,
         };
         *taken = [sparsifier.removed, sparsifier.replaced];
-        if sparsifier.removed + sparsifier.replaced > 0 {
+        self.has_gaps |= sparsifier.removed + sparsifier.replaced > 0;
+        // After a cancellation the gaps stay for the next call: closing them takes a while.
+        if self.has_gaps && !matches!(result, Ok(RefineStatus::Cancelled)) {
+            self.t.reserve_compact()?;
+            self.has_gaps = false;
             let new_id = self.t.compact_from(self.input_slots as u32);
             domain.boundary.renumber(&new_id);
             let renamed = |v: u32| new_id.get(v as usize).copied().unwrap_or(v);
@@ -347,10 +361,11 @@ impl Mesh {
         if self.t.dimension() == 3 && level != Sparsify::Off {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
             sparsifier.begin_with_all();
-            status =
-                self.thin_out(Some(sparsifier), Ok(RefineStatus::Done), control, &mut taken, &mut Reasons::default())?;
+            let limits = &mut Limits::default();
+            let result = Ok(RefineStatus::Done);
+            status = self.thin_out(Some(sparsifier), result, (control, limits), &mut taken, &mut Reasons::default())?;
         }
-        let mut report = self.report(radius_edge, status);
+        let mut report = self.report_unless_cancelled(radius_edge, status, &Reasons::default());
         if report.bad > 0 && status == RefineStatus::Done {
             report.status = RefineStatus::Unrefined;
         }
@@ -358,13 +373,32 @@ impl Mesh {
         Ok(report)
     }
 
+    /// [`report`](Self::report), without a look at all tetrahedra after a cancellation: it shall be quick.
+    fn report_unless_cancelled(&self, bound: f64, status: RefineStatus, reasons: &Reasons) -> RefineReport {
+        if status != RefineStatus::Cancelled {
+            return self.report_with(bound, status, reasons);
+        }
+        let nan = f64::NAN;
+        RefineReport { worst_radius_edge: nan, min_dihedral_degrees: nan, ..self.report_of([], bound, status, reasons) }
+    }
+
     /// The mesh's sizes and quality now.
     pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
-        self.report_with(bound, status, &FxHashMap::default())
+        self.report_with(bound, status, &Reasons::default())
     }
 
     /// [`report`](Self::report) with the reasons for which tetrahedra were left.
     fn report_with(&self, bound: f64, status: RefineStatus, reasons: &Reasons) -> RefineReport {
+        RefineReport { measured: true, ..self.report_of(self.inside(), bound, status, reasons) }
+    }
+
+    fn report_of(
+        &self,
+        tets: impl IntoIterator<Item = u32>,
+        bound: f64,
+        status: RefineStatus,
+        reasons: &Reasons,
+    ) -> RefineReport {
         let mut report = RefineReport {
             status,
             input_vertices: self.input_vertex_count(),
@@ -381,8 +415,9 @@ impl Mesh {
             too_large: 0,
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
+            measured: false,
         };
-        for tet in self.inside() {
+        for tet in tets {
             let corners = self.t.corners(tet);
             report.tetrahedra += 1;
             if exceeds_radius_edge(corners, bound) {
@@ -413,6 +448,18 @@ impl Mesh {
         (&mut self.t, self.domain.as_mut().map(|domain| &mut domain.boundary))
     }
 
+    /// A copy, unless memory is lacking; [`Error::Cancelled`] when the control says stop. The view is not copied.
+    pub fn try_clone(&self, control: &Control) -> Result<Mesh, Error> {
+        let t = self.t.try_clone(control)?;
+        if let Some(domain) = &self.domain {
+            // A first attempt, because the copy of maps ends the process when it fails.
+            drop(memory::with_room::<u8>(domain.boundary.bytes(), "boundary")?);
+        }
+        let Mesh { domain, input_vertices, input_slots, has_gaps, .. } = self;
+        let (domain, view) = (domain.clone(), OnceLock::new());
+        Ok(Mesh { t, domain, input_vertices: *input_vertices, input_slots: *input_slots, has_gaps: *has_gaps, view })
+    }
+
     /// Drops the arrays of the view, because what they show changes.
     pub(crate) fn forget_view(&mut self) {
         self.view = OnceLock::new();
@@ -426,13 +473,20 @@ impl Mesh {
     /// Checks the invariants up to a level: 1 topology, 2 orientation, 3 the Delaunay property and that all subsegments and subfacets
     /// are edges and faces. Exact, linear time.
     pub fn validate(&self, level: u32) -> Result<(), Defect> {
-        self.t.validate(level)?;
+        self.validate_within(level, &Control::new()).map(|_| ())
+    }
+
+    /// [`validate`](Self::validate) that a control can follow and cancel: `Ok(false)` then.
+    pub fn validate_within(&self, level: u32, control: &Control) -> Result<bool, Defect> {
+        if !self.t.validate_within(level, control)? {
+            return Ok(false);
+        }
         match &self.domain {
             Some(domain) if level >= 3 && self.t.dimension() == 3 => {
                 let defect = domain.boundary.first_missing(&self.t).or_else(|| domain.boundary.first_leak(&self.t));
-                defect.map_or(Ok(()), Err)
+                defect.map_or(Ok(true), Err)
             }
-            _ => Ok(()),
+            _ => Ok(true),
         }
     }
 
@@ -446,27 +500,80 @@ impl Mesh {
 
     /// The mesh as arrays. They are made at the first call after a change, in linear time.
     pub fn view(&self) -> MeshView<'_> {
-        let view = self.view.get_or_init(|| self.make_view());
-        MeshView {
+        match self.try_view(&Control::new()) {
+            Ok(view) => view,
+            // As other lists of Rust do that find no memory.
+            Err(_) => std::alloc::handle_alloc_error(std::alloc::Layout::new::<View>()),
+        }
+    }
+
+    /// [`view`](Self::view), unless memory is lacking; [`Error::Cancelled`] when the control says stop.
+    pub fn try_view(&self, control: &Control) -> Result<MeshView<'_>, Error> {
+        let view = match self.view.get() {
+            Some(view) => view,
+            None => {
+                let view = self.make_view(control)?;
+                // Another thread may have been faster, with the same.
+                self.view.get_or_init(|| view)
+            }
+        };
+        Ok(MeshView {
             points: self.t.points(),
             tetrahedra: &view.tetrahedra,
             neighbours: &view.neighbours,
             regions: &view.regions,
-        }
+        })
     }
 
-    fn make_view(&self) -> View {
+    fn make_view(&self, control: &Control) -> Result<View, Error> {
+        /// Tetrahedra between two looks at the control.
+        const BLOCK: usize = 1 << 14;
+        const WHAT: &str = "view";
         let topology = &self.t.topology;
-        let mut number = vec![u32::MAX; topology.tets.len()];
-        let inside: Vec<u32> = self.inside().collect();
-        for (i, &t) in inside.iter().enumerate() {
-            number[t as usize] = i as u32;
+        let mut number = memory::with_room(topology.tets.len(), WHAT)?;
+        let mut inside: Vec<u32> = Vec::new();
+        for t in 0..topology.tets.len() as u32 {
+            if t as usize % BLOCK == 0 {
+                if !control.report("view", 0.5 * f64::from(t) / topology.tets.len() as f64, self.t.vertex_count()) {
+                    return Err(Error::Cancelled);
+                }
+                memory::reserve(&mut inside, BLOCK, WHAT)?;
+            }
+            let tet = topology.tet(t);
+            let shown = tet.is_live() && !tet.is_ghost() && self.t.is_inside(t);
+            number.push(if shown { inside.len() as u32 } else { u32::MAX });
+            if shown {
+                inside.push(t);
+            }
         }
-        let region = |&t: &u32| topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)));
-        View {
-            tetrahedra: inside.iter().map(|&t| topology.tet(t).v).collect(),
-            neighbours: inside.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])).collect(),
-            regions: inside.iter().map(region).collect(),
+        let region = |t: u32| topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)));
+        let mut view = View {
+            tetrahedra: memory::with_room(inside.len(), WHAT)?,
+            neighbours: memory::with_room(inside.len(), WHAT)?,
+            regions: memory::with_room(inside.len(), WHAT)?,
+        };
+        for (i, block) in inside.chunks(BLOCK).enumerate() {
+            let fraction = 0.5 + 0.5 * (i * BLOCK) as f64 / inside.len() as f64;
+            if !control.report("view", fraction, self.t.vertex_count()) {
+                return Err(Error::Cancelled);
+            }
+            view.tetrahedra.extend(block.iter().map(|&t| topology.tet(t).v));
+            view.neighbours.extend(block.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])));
+            view.regions.extend(block.iter().map(|&t| region(t)));
         }
+        Ok(view)
     }
+}
+
+/// Tells the log how a refinement has ended.
+fn tell(control: &Control, status: RefineStatus, vertices: usize) {
+    let (level, how) = match status {
+        RefineStatus::Done => (LogLevel::Info, "done"),
+        RefineStatus::Cancelled => (LogLevel::Info, "cancelled"),
+        RefineStatus::VertexLimit => (LogLevel::Warning, "stopped at the limit of vertices"),
+        RefineStatus::TimeLimit => (LogLevel::Warning, "stopped at the limit of seconds"),
+        RefineStatus::MemoryLimit => (LogLevel::Warning, "stopped at the limit of memory"),
+        RefineStatus::Unrefined => (LogLevel::Warning, "some tetrahedra can't be mended"),
+    };
+    control.log(level, || format!("refine: {how}, {vertices} vertices"));
 }

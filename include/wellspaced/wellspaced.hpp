@@ -215,6 +215,15 @@ public:
         handle_.reset(made);
     }
 
+    // Told line by line what calls do; `level` is WSP_LOG_INFO or WSP_LOG_WARNING. What it throws cancels its call and comes out of it.
+    using log = std::function<void(std::uint32_t level, const char* text)>;
+    // For calls that begin from now on; an empty function takes the log away. Not while a call with this control runs.
+    void set_log(log lines) {
+        auto next = lines ? std::make_unique<logger>(logger{std::move(lines), handle_.get()}) : nullptr;
+        check(wsp_control_set_log(handle_.get(), next ? &logged : nullptr, next.get()));
+        log_ = std::move(next);
+    }
+
     void cancel() { check(wsp_control_cancel(handle_.get())); }
     // Takes a cancellation back, also that of a callback that returned false or threw.
     void reset() { check(wsp_control_reset(handle_.get())); }
@@ -231,7 +240,23 @@ private:
         }
     }
 
-    std::unique_ptr<callback> progress_;  // before the handle, which refers to it
+    struct logger {
+        log lines;
+        wsp_control* control;
+    };
+
+    static void logged(void* user, std::uint32_t level, const char* text) noexcept {
+        auto& to = *static_cast<logger*>(user);
+        try {
+            to.lines(level, text);
+        } catch (...) {
+            detail::running_call::keep_exception();
+            wsp_control_cancel(to.control);
+        }
+    }
+
+    std::unique_ptr<logger> log_;  // before the handle, which refers to them
+    std::unique_ptr<callback> progress_;
     detail::handle<wsp_control, wsp_control_free> handle_;
 };
 
@@ -438,6 +463,11 @@ public:
     // Throws WSP_ERR_NOT_VALID with what is wrong. For WSP_VALIDATE_QUALITY give the bound.
     void validate(std::uint32_t level = WSP_VALIDATE_DELAUNAY, double radius_edge = 2.0) const {
         check(wsp_triangulation_validate(get(), level, radius_edge));
+    }
+    // WSP_DONE, or WSP_CANCELLED.
+    wsp_status validate(const control& control, std::uint32_t level = WSP_VALIDATE_DELAUNAY, double radius_edge = 2.0) const {
+        detail::running_call call;
+        return call.finish(wsp_triangulation_validate_within(get(), level, radius_edge, control.get()));
     }
 
     std::vector<edge> bad_short_edges(double radius_edge) const {

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use super::guard::{Answer, Failure};
 use super::status::*;
+use crate::triangulation::topology::MAX_VERTICES;
 
 // Points of the ABI are `double[3]`, read in place.
 const _: () = assert!(size_of::<DVec3>() == 3 * size_of::<f64>() && align_of::<DVec3>() == align_of::<f64>());
@@ -43,6 +44,14 @@ pub(super) unsafe fn slice<'a, T>(ptr: *const T, n: usize, name: &str) -> Result
     }
     // SAFETY: not null, aligned, of a legal size, and live as the caller promises.
     Ok(unsafe { std::slice::from_raw_parts(ptr, n) })
+}
+
+/// Refuses, before a look at any of them, more elements than ids can number.
+pub(super) fn numbered(n: usize, name: &str) -> Result<(), Failure> {
+    if n <= MAX_VERTICES {
+        return Ok(());
+    }
+    Err(Failure::new(WSP_ERR_TOO_MANY, format!("{name}: {n} elements, but ids number {MAX_VERTICES} at most")))
 }
 
 /// # Safety

@@ -1,18 +1,27 @@
-//! Progress and cancellation.
+//! Progress, cancellation and log.
 
 use std::ffi::{c_char, c_void, CString};
+use std::sync::{PoisonError, RwLock};
 
 use super::args;
 use super::guard::{call, call_void, host_code, Failure};
 use super::status::*;
-use crate::{Control, Progress};
+use crate::{Control, LogLevel, Progress};
 
 /// A handle through which long calls are followed and cancelled.
 ///
 /// Give it to as many calls as you like, one after the other or at once. Everything but its `_free` may be called
 /// from any thread at any time.
 pub struct wsp_control {
-    control: Control,
+    /// Behind a lock only because a log may be set later; what is inside is shared by all clones.
+    control: RwLock<Control>,
+}
+
+impl wsp_control {
+    fn core(&self) -> Control {
+        // Nothing can panic while the lock is held.
+        self.control.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
 }
 
 /// How far a call has come. Valid during the callback only; fields may be appended in later versions.
@@ -23,7 +32,7 @@ pub struct wsp_progress {
     pub struct_size: u32,
     /// 0.
     pub flags: u32,
-    /// What is being done now: "delaunay", "boundary", "refine".
+    /// What is being done now: "delaunay", "boundary", "refine", "sparsify", "validate", "view".
     pub stage: *const c_char,
     /// From 0 to 1 within the stage. An estimate: refinement can't know its end.
     pub fraction: f64,
@@ -37,6 +46,37 @@ pub struct wsp_progress {
 /// return: no exception and no longjmp may leave it (the C++ face sees to that). It must not use the handle of the
 /// call that it runs in (WSP_ERR_BUSY); others are free.
 pub type wsp_progress_callback = Option<unsafe extern "C" fn(user: *mut c_void, progress: *const wsp_progress) -> i32>;
+
+/// A line for information: what a call is doing, some lines a call.
+pub const WSP_LOG_INFO: u32 = 1;
+/// A warning: a call has ended at a limit, or with something that can't be mended.
+pub const WSP_LOG_WARNING: u32 = 2;
+
+/// Told what calls do, line by line: `level` is a WSP_LOG_ constant (later versions may have more), `text` is UTF-8 without a line's end, valid
+/// during the callback only. It runs as a wsp_progress_callback does, and the same is forbidden to it.
+pub type wsp_log_callback = Option<unsafe extern "C" fn(user: *mut c_void, level: u32, text: *const c_char)>;
+
+struct Log {
+    function: unsafe extern "C" fn(*mut c_void, u32, *const c_char),
+    user: *mut c_void,
+}
+
+// SAFETY: as for `Callback` below.
+unsafe impl Send for Log {}
+// SAFETY: as above.
+unsafe impl Sync for Log {}
+
+impl Log {
+    fn write(&self, level: LogLevel, text: &str) {
+        let text = CString::new(text).unwrap_or_default();
+        let level = match level {
+            LogLevel::Info => WSP_LOG_INFO,
+            LogLevel::Warning => WSP_LOG_WARNING,
+        };
+        // SAFETY: the host's own function with the host's own pointer, as it asked for.
+        host_code(|| unsafe { (self.function)(self.user, level, text.as_ptr()) });
+    }
+}
 
 struct Callback {
     function: unsafe extern "C" fn(*mut c_void, *const wsp_progress) -> i32,
@@ -87,7 +127,32 @@ pub unsafe extern "C" fn wsp_control_new(
             None => Control::new(),
         };
         // SAFETY: checked above.
-        unsafe { args::give(wsp_control { control }, out) };
+        unsafe { args::give(wsp_control { control: RwLock::new(control) }, out) };
+        Ok(WSP_DONE)
+    })
+}
+
+/// Gives calls that begin with `control` from now on a log; NULL for `callback` takes it away. `user` is handed to the callback as it is: what it
+/// points to must live until those calls have ended. Any thread. Constant time.
+/// Errors: WSP_ERR_NULL (`control`).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_control_set_log(
+    control: *mut wsp_control,
+    callback: wsp_log_callback,
+    user: *mut c_void,
+) -> wsp_status {
+    call("wsp_control_set_log", || {
+        // SAFETY: NULL or a live control; only shared references to it are ever made.
+        let control = unsafe { args::reference(control, "control")? };
+        let mut control = control.control.write().unwrap_or_else(PoisonError::into_inner);
+        let next = match callback {
+            Some(function) => {
+                let log = Log { function, user };
+                control.clone().with_log(move |level, text| log.write(level, text))
+            }
+            None => control.clone().without_log(),
+        };
+        *control = next;
         Ok(WSP_DONE)
     })
 }
@@ -110,7 +175,7 @@ pub unsafe extern "C" fn wsp_control_free(control: *mut wsp_control) {
 pub unsafe extern "C" fn wsp_control_cancel(control: *mut wsp_control) -> wsp_status {
     call("wsp_control_cancel", || {
         // SAFETY: NULL or a live control; only shared references to it are ever made.
-        unsafe { args::reference(control, "control")? }.control.cancel();
+        unsafe { args::reference(control, "control")? }.core().cancel();
         Ok(WSP_DONE)
     })
 }
@@ -121,7 +186,7 @@ pub unsafe extern "C" fn wsp_control_cancel(control: *mut wsp_control) -> wsp_st
 pub unsafe extern "C" fn wsp_control_reset(control: *mut wsp_control) -> wsp_status {
     call("wsp_control_reset", || {
         // SAFETY: as above.
-        unsafe { args::reference(control, "control")? }.control.reset();
+        unsafe { args::reference(control, "control")? }.core().reset();
         Ok(WSP_DONE)
     })
 }
@@ -135,5 +200,5 @@ pub(super) unsafe fn core(control: *const wsp_control) -> Result<Control, Failur
         return Ok(Control::new());
     }
     // SAFETY: as the caller promises.
-    Ok(unsafe { args::reference(control, "control")? }.control.clone())
+    Ok(unsafe { args::reference(control, "control")? }.core())
 }

@@ -142,9 +142,10 @@ pub struct wsp_refine_options {
     /// goes on until a limit ends it.
     pub radius_edge: f64,
     /// No Steiner point is added nearer than this to a vertex, in the units of the coordinates. 0, the default,
-    /// takes 2^-40 of the diagonal of the points' bounding box.
+    /// takes 2^-40 of the diagonal of the points' bounding box, but no less than 2^-46 of the largest coordinate.
     pub min_edge: f64,
-    /// No vertex is added beyond this many, input included. Default: 100 million.
+    /// No vertex is added beyond this many, input included, but for the few that may be needed to keep segments and facets whole where their
+    /// points can't stand exactly on them (WSP_VERTEX_LIMIT). Default: 100 million.
     pub max_vertices: usize,
     /// How hard to try to do with fewer Steiner points, one of the WSP_SPARSIFY_ constants. Default: WSP_SPARSIFY_DEFAULT.
     pub sparsify: wsp_sparsify,
@@ -157,15 +158,30 @@ pub struct wsp_refine_options {
     pub keep_boundary: u32,
     /// Must be 0.
     pub reserved2: u32,
+    /// The refinement stops after so many seconds (WSP_TIME_LIMIT). 0, the default: no limit.
+    pub max_seconds: f64,
+    /// The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views and
+    /// small lists are not counted. 0, the default: no limit.
+    pub max_memory: usize,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
 unsafe impl Sized_ for wsp_refine_options {
     const NAME: &'static str = "wsp_refine_options";
+    // The first version ended before `max_edge`.
     const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, max_edge), size_of::<Self>()];
 
     fn defaults() -> Self {
-        let RefineOptions { radius_edge, rule, max_vertices, min_edge, sparsify, .. } = RefineOptions::default();
+        let RefineOptions {
+            radius_edge,
+            rule,
+            max_vertices,
+            min_edge,
+            sparsify,
+            keep_boundary,
+            max_seconds,
+            max_memory,
+        } = RefineOptions::default();
         wsp_refine_options {
             struct_size: 0,
             rule: rule_number(rule),
@@ -175,8 +191,10 @@ unsafe impl Sized_ for wsp_refine_options {
             sparsify: sparsify_number(sparsify),
             reserved: 0,
             max_edge: 0.0,
-            keep_boundary: 0,
+            keep_boundary: u32::from(keep_boundary),
             reserved2: 0,
+            max_seconds,
+            max_memory,
         }
     }
 }

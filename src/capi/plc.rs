@@ -76,6 +76,7 @@ pub unsafe extern "C" fn wsp_plc_add_points(
     // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
     call("wsp_plc_add_points", || unsafe {
         let mut plc = args::reference(plc, "plc")?.handle.write()?;
+        args::numbered(n, "xyz")?;
         let points = args::points(xyz, n, "xyz")?;
         check_points(points)?;
         let markers = if markers.is_null() { &[] } else { args::slice(markers, n, "markers")? };
@@ -158,6 +159,7 @@ pub unsafe extern "C" fn wsp_plc_add_segments(
     // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
     call("wsp_plc_add_segments", || unsafe {
         let mut plc = args::reference(plc, "plc")?.handle.write()?;
+        args::numbered(n, "ends")?;
         let ends: &[[u32; 2]] = args::slice(ends.cast(), n, "ends")?;
         let markers = if markers.is_null() { &[] } else { args::slice(markers, n, "markers")? };
         check_positions(&plc, ends.as_flattened())?;

@@ -11,7 +11,8 @@ use super::status::*;
 use super::triangulation::wsp_triangulation;
 use crate::{DVec3, RefineOptions, RefineReport, RefineStatus, Sizing};
 
-/// What a refinement did, and the mesh's quality now. Fill it with wsp_report_init before it is given to wsp_refine.
+/// What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
+/// `tetrahedra` and `bad` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct wsp_report {
@@ -95,6 +96,8 @@ fn status(status: RefineStatus) -> wsp_status {
         RefineStatus::Cancelled => WSP_CANCELLED,
         RefineStatus::VertexLimit => WSP_VERTEX_LIMIT,
         RefineStatus::Unrefined => WSP_UNREFINED,
+        RefineStatus::TimeLimit => WSP_TIME_LIMIT,
+        RefineStatus::MemoryLimit => WSP_MEMORY_LIMIT,
     }
 }
 
@@ -142,8 +145,9 @@ pub unsafe extern "C" fn wsp_report_init(report: *mut wsp_report, size: usize) -
 /// keep their ids, Steiner points are numbered behind them. With `sparsify` on, as it is by default, Steiner points of earlier calls
 /// may be taken away too, and those that remain get new ids without gaps; with WSP_SPARSIFY_OFF all keep their ids.
 ///
-/// Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and usable, and
-/// the call may be repeated to go on. `options` and `control` may be NULL. `report` may be NULL; it is
+/// Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_TIME_LIMIT, WSP_MEMORY_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and
+/// usable, and the call may be repeated to go on. A cancellation is answered within some milliseconds; ids of Steiner points may have
+/// gaps then, until a later call closes them. `options` and `control` may be NULL. `report` may be NULL; it is
 /// written for all statuses of 0 and above, and left as it was after an error.
 ///
 /// After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.
@@ -270,6 +274,8 @@ unsafe fn refine(
             min_edge: given.min_edge,
             sparsify: sparsify(given.sparsify)?,
             keep_boundary,
+            max_seconds: given.max_seconds,
+            max_memory: given.max_memory,
         };
         let mut sizes = Sizing { uniform: given.max_edge, ..Sizing::default() };
         let asked = sizing.and_then(|s| s.callback.map(|callback| (callback, s.user)));

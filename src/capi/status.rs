@@ -18,6 +18,10 @@ pub const WSP_VERTEX_LIMIT: i32 = 2;
 pub const WSP_UNREFINED: i32 = 3;
 /// The list has more elements than the buffer has room for. The buffer is full, the count is that of all.
 pub const WSP_INCOMPLETE: i32 = 4;
+/// The seconds were over. The mesh is valid, but some tetrahedra may exceed the bound.
+pub const WSP_TIME_LIMIT: i32 = 5;
+/// More memory would have been needed than allowed. The mesh is valid, but some tetrahedra may exceed the bound.
+pub const WSP_MEMORY_LIMIT: i32 = 6;
 
 /// A fault of the library, caught. The handle that was being used answers nothing but its `_free` from now on.
 pub const WSP_ERR_INTERNAL: i32 = -1;
@@ -92,6 +96,8 @@ pub extern "C" fn wsp_status_string(status: wsp_status) -> *const c_char {
         WSP_VERTEX_LIMIT => c"vertex limit reached",
         WSP_UNREFINED => c"some tetrahedra left unrefined",
         WSP_INCOMPLETE => c"more elements than the buffer holds",
+        WSP_TIME_LIMIT => c"time limit reached",
+        WSP_MEMORY_LIMIT => c"memory limit reached",
         WSP_ERR_INTERNAL => c"internal error",
         WSP_ERR_NULL => c"null pointer",
         WSP_ERR_STRUCT_SIZE => c"unknown struct size",

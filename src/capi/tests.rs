@@ -4,6 +4,8 @@ mod abuse;
 mod domain;
 mod float;
 mod handles;
+mod limits;
+mod points;
 mod stepwise;
 
 use std::ffi::{c_char, c_void, CStr};
@@ -174,10 +176,10 @@ impl Drop for OwnedControl<'_> {
 fn versions_and_texts() {
     assert_eq!(text(wsp_version()), env!("CARGO_PKG_VERSION"));
     assert_eq!(wsp_abi_version(), WSP_ABI_VERSION);
-    let known: Vec<wsp_status> = (WSP_ERR_NOT_VALID..=WSP_INCOMPLETE).collect();
+    let known: Vec<wsp_status> = (WSP_ERR_NOT_VALID..=WSP_MEMORY_LIMIT).collect();
     let texts: std::collections::BTreeSet<String> = known.iter().map(|&s| text(wsp_status_string(s))).collect();
     assert_eq!(texts.len(), known.len(), "each status has a text of its own");
-    for unknown in [WSP_ERR_NOT_VALID - 1, WSP_INCOMPLETE + 1, i32::MIN, i32::MAX] {
+    for unknown in [WSP_ERR_NOT_VALID - 1, WSP_MEMORY_LIMIT + 1, i32::MIN, i32::MAX] {
         assert_eq!(text(wsp_status_string(unknown)), "unknown status");
         assert!(!texts.contains("unknown status"));
     }

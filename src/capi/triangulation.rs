@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::control::{self, wsp_control};
-use super::guard::{call, call_void, Failure};
+use super::guard::{call, call_void, Answer, Failure};
 use super::handle::Handle;
 use super::options::wsp_triangulation_options;
 use super::plc::wsp_plc;
 use super::status::*;
 use super::{args, sized};
 use crate::triangulation::Defect;
-use crate::{Error, Location, Mesh};
+use crate::{Control, Error, Location, Mesh};
 
 /// A Delaunay triangulation of points of any dimension, and the domain that it fills once one is set.
 pub struct wsp_triangulation {
@@ -18,7 +18,6 @@ pub struct wsp_triangulation {
 }
 
 /// What the handle guards.
-#[derive(Clone)]
 pub(super) struct State {
     pub mesh: Mesh,
     /// Unique to this state of this mesh (and of clones as long as neither changes): batches remember it.
@@ -174,7 +173,7 @@ pub unsafe extern "C" fn wsp_triangulation_use_hull_as_domain(triangulation: *mu
 ///
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. On an error it is NULL.
 /// Cost: linear in the triangulation.
-/// Errors: WSP_ERR_NULL, WSP_ERR_BUSY.
+/// Errors: WSP_ERR_NULL, WSP_ERR_MEMORY, WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_clone(
     triangulation: *const wsp_triangulation,
@@ -183,7 +182,8 @@ pub unsafe extern "C" fn wsp_triangulation_clone(
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
     call("wsp_triangulation_clone", || unsafe {
         args::handle_out(out, "out")?;
-        let state = State::clone(&*args::reference(triangulation, "triangulation")?.handle.read()?);
+        let original = args::reference(triangulation, "triangulation")?.handle.read()?;
+        let state = State { mesh: original.mesh.try_clone(&Control::new())?, stamp: original.stamp };
         args::give(wsp_triangulation { handle: Handle::new(state) }, out);
         Ok(WSP_DONE)
     })
@@ -210,7 +210,8 @@ pub unsafe extern "C" fn wsp_triangulation_free(triangulation: *mut wsp_triangul
 /// does not depend on the order of insertion.
 ///
 /// All or nothing: after an error or WSP_CANCELLED the triangulation is as it was, and `ids` too.
-/// `n` may be 0, `xyz` is then not looked at. `control` may be NULL. `xyz` and `ids` may overlap.
+/// `n` may be 0, `xyz` is then not looked at; nor is it for an `n` that ids can't number (WSP_ERR_TOO_MANY). A coordinate of -0 is stored as 0.
+/// `control` may be NULL. `xyz` and `ids` may overlap.
 ///
 /// Cost: many points at once are far cheaper than one by one: they are inserted in a spatial order. Expect n log n,
 /// with about a million points a second or two.
@@ -229,6 +230,7 @@ pub unsafe extern "C" fn wsp_triangulation_insert(
         let control = control::core(control)?;
         let mut new_ids = Vec::new();
         {
+            args::numbered(n, "xyz")?;
             let points = args::points(xyz, n, "xyz")?;
             if n > 0 && !ids.is_null() {
                 args::writable(ids, "ids")?;
@@ -391,18 +393,41 @@ pub unsafe extern "C" fn wsp_triangulation_validate(
     level: u32,
     radius_edge: f64,
 ) -> wsp_status {
-    call("wsp_triangulation_validate", || {
-        // SAFETY: NULL or live.
-        let state = unsafe { args::reference(triangulation, "triangulation")? }.handle.read()?;
-        if !(WSP_VALIDATE_TOPOLOGY..=WSP_VALIDATE_QUALITY).contains(&level) {
-            return Err(Failure::new(WSP_ERR_ARGUMENT, format!("level is {level}, expected 1 to 4")));
-        }
-        let bound = if level == WSP_VALIDATE_QUALITY { Some(args::radius_edge(radius_edge)?) } else { None };
-        let not_valid = |defect: Defect| Failure::new(WSP_ERR_NOT_VALID, defect.to_string());
-        state.mesh.validate(level.min(WSP_VALIDATE_DELAUNAY)).map_err(not_valid)?;
-        if let Some(bound) = bound {
-            state.mesh.validate_quality(bound).map_err(not_valid)?;
-        }
-        Ok(WSP_DONE)
+    // SAFETY: NULL or live.
+    call("wsp_triangulation_validate", || unsafe { validate(triangulation, level, radius_edge, &Control::new()) })
+}
+
+/// wsp_triangulation_validate that `control`, which may be NULL, follows and cancels: WSP_CANCELLED then.
+/// Errors: those of wsp_triangulation_validate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_triangulation_validate_within(
+    triangulation: *const wsp_triangulation,
+    level: u32,
+    radius_edge: f64,
+    control: *mut wsp_control,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
+    call("wsp_triangulation_validate_within", || unsafe {
+        let control = control::core(control)?;
+        validate(triangulation, level, radius_edge, &control)
     })
+}
+
+/// # Safety
+/// `triangulation` is NULL or live.
+unsafe fn validate(triangulation: *const wsp_triangulation, level: u32, radius_edge: f64, control: &Control) -> Answer {
+    // SAFETY: as the caller promises.
+    let state = unsafe { args::reference(triangulation, "triangulation")? }.handle.read()?;
+    if !(WSP_VALIDATE_TOPOLOGY..=WSP_VALIDATE_QUALITY).contains(&level) {
+        return Err(Failure::new(WSP_ERR_ARGUMENT, format!("level is {level}, expected 1 to 4")));
+    }
+    let bound = if level == WSP_VALIDATE_QUALITY { Some(args::radius_edge(radius_edge)?) } else { None };
+    let not_valid = |defect: Defect| Failure::new(WSP_ERR_NOT_VALID, defect.to_string());
+    if !state.mesh.validate_within(level.min(WSP_VALIDATE_DELAUNAY), control).map_err(not_valid)? {
+        return Ok(WSP_CANCELLED);
+    }
+    if let Some(bound) = bound {
+        state.mesh.validate_quality(bound).map_err(not_valid)?;
+    }
+    Ok(WSP_DONE)
 }

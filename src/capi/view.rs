@@ -1,10 +1,12 @@
 //! Arrays of a mesh for reading in place.
 
 use super::args;
-use super::guard::call;
+use super::control::{self, wsp_control};
+use super::guard::{call, Answer};
 use super::sized::{self, Sized_};
 use super::status::*;
 use super::triangulation::wsp_triangulation;
+use crate::{Control, Error};
 
 /// The arrays of a mesh. Fill it with wsp_mesh_view_init before it is given to a function.
 ///
@@ -82,17 +84,43 @@ fn pointer<T, U>(items: &[T]) -> *const U {
 /// valid until the next call that changes or frees `triangulation`. Use of ids: see wsp_triangulation_insert.
 ///
 /// Cost: the arrays are made at the first call after a change, in linear time; further calls cost nothing.
-/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_BUSY; `view` is left as it was.
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_MEMORY, WSP_ERR_BUSY; `view` is left as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_view(
     triangulation: *const wsp_triangulation,
     view: *mut wsp_mesh_view,
 ) -> wsp_status {
-    // SAFETY: both are NULL or live; the size is checked before anything is written.
-    call("wsp_triangulation_view", || unsafe {
+    // SAFETY: both are NULL or live.
+    call("wsp_triangulation_view", || unsafe { show(triangulation, view, &Control::new()) })
+}
+
+/// wsp_triangulation_view that `control`, which may be NULL, follows and cancels: WSP_CANCELLED then, and `view` is left as it was.
+/// Errors: those of wsp_triangulation_view.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_triangulation_view_within(
+    triangulation: *const wsp_triangulation,
+    view: *mut wsp_mesh_view,
+    control: *mut wsp_control,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
+    call("wsp_triangulation_view_within", || unsafe {
+        let control = control::core(control)?;
+        show(triangulation, view, &control)
+    })
+}
+
+/// # Safety
+/// Both are NULL or live.
+unsafe fn show(triangulation: *const wsp_triangulation, view: *mut wsp_mesh_view, control: &Control) -> Answer {
+    // SAFETY: as the caller promises; the size is checked before anything is written.
+    unsafe {
         sized::check_out(view, "view")?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
-        let mesh = state.mesh.view();
+        let mesh = match state.mesh.try_view(control) {
+            Ok(mesh) => mesh,
+            Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
+            Err(error) => return Err(error.into()),
+        };
         let arrays = wsp_mesh_view {
             points: pointer(mesh.points),
             points_count: mesh.points.len(),
@@ -104,5 +132,5 @@ pub unsafe extern "C" fn wsp_triangulation_view(
         };
         sized::write(&arrays, view, "view")?;
         Ok(WSP_DONE)
-    })
+    }
 }

@@ -17,7 +17,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{DVec3, Error};
 
 /// An edge's key: lower vertex first.
 pub fn edge_key([a, b]: [u32; 2]) -> [u32; 2] {
@@ -548,6 +548,33 @@ impl Boundary {
                 self.pending_facets.push_back((face_key(face), demand));
             }
         }
+    }
+
+    /// Memory for what one split adds, mostly.
+    pub(crate) fn reserve(&mut self) -> Result<(), Error> {
+        const MORE: usize = 64;
+        let Boundary { kinds, carriers, subsegments, subfacets, pending_segments, pending_facets, .. } = self;
+        let reserved = kinds.try_reserve(MORE).and_then(|()| carriers.try_reserve(MORE)).is_ok()
+            && subsegments.try_reserve(MORE).is_ok()
+            && subfacets.try_reserve(MORE).is_ok()
+            && pending_segments.try_reserve(MORE).is_ok()
+            && pending_facets.try_reserve(MORE).is_ok();
+        if reserved {
+            Ok(())
+        } else {
+            Err(Error::OutOfMemory { what: "boundary" })
+        }
+    }
+
+    /// The bytes of its lists, about.
+    pub(crate) fn bytes(&self) -> usize {
+        // A byte of control for each place of a map.
+        self.subsegments.capacity() * (size_of::<([u32; 2], u32)>() + 1)
+            + self.subfacets.capacity() * (size_of::<([u32; 3], u32)>() + 1)
+            + self.pending_segments.capacity() * size_of::<[u32; 2]>()
+            + self.pending_facets.capacity() * size_of::<[u32; 3]>()
+            + self.carriers.capacity() * size_of::<Carrier>()
+            + self.kinds.capacity()
     }
 
     /// The first missing element: every subsegment is an edge and every subfacet a face of the triangulation when there is none.

@@ -125,9 +125,9 @@ impl Filter {
         }
     }
 
-    /// Extends the filter to many more points.
+    /// Extends the filter to many more points. NaN, which stands where a vertex was removed, is passed over.
     pub fn extend_all(&mut self, points: &[DVec3]) {
-        for &point in points {
+        for &point in points.iter().filter(|point| !point.is_nan()) {
             self.cover(point + DVec3::ZERO);
         }
         self.update_bounds();

@@ -102,7 +102,7 @@ pub fn sample_arrays(
         taken: vec![false; mesh.tets.len()],
         radius_edge: options.radius_edge,
         rule: options.rule,
-        min_edge: (high - low).length() * (1.0 / (1u64 << 40) as f64),
+        min_edge: crate::triangulation::least_edge(low, high),
         mesh,
         boundary,
         tried_segments: FxHashMap::default(),

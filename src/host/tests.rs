@@ -298,3 +298,23 @@ fn arrays_that_are_no_delaunay_mesh_are_refused_by_name() {
     let arrays = Arrays { points, tetrahedra: &tetrahedra, ..Arrays::default() };
     assert_eq!(sample_arrays(&arrays, &StepOptions::default(), &control).unwrap(), None);
 }
+
+/// Found by fuzzing: the walk around an edge went to and fro between two such tetrahedra for ever.
+#[test]
+fn tetrahedra_on_the_same_side_of_their_common_face_are_refused() {
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 0.2], [0.3, 0.3, 5.0]].map(DVec3::from);
+    let tetrahedra = [[0, 1, 2, 3], [0, 1, 2, 4]];
+    let neighbours = [[u32::MAX, u32::MAX, u32::MAX, 1], [u32::MAX, u32::MAX, u32::MAX, 0]];
+    for neighbours in [&neighbours[..], &[]] {
+        let arrays = Arrays { points: &points, tetrahedra: &tetrahedra, neighbours, ..Arrays::default() };
+        match sample_arrays(&arrays, &StepOptions::default(), &Control::new()) {
+            Err(Error::InvalidMesh { problem }) => {
+                assert!(problem.contains("0 and 1 are on the same side"), "{problem}")
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let itself = [[u32::MAX, u32::MAX, u32::MAX, 0], [u32::MAX; 4]];
+    let arrays = Arrays { points: &points, tetrahedra: &tetrahedra, neighbours: &itself, ..Arrays::default() };
+    assert!(matches!(sample_arrays(&arrays, &StepOptions::default(), &Control::new()), Err(Error::InvalidMesh { .. })));
+}

@@ -124,7 +124,16 @@ impl<'a> Mesh<'a> {
         (0..self.tets.len()).map(one).collect()
     }
 
-    /// No vertex across a face lies inside a tetrahedron's circumsphere.
+    /// Whether an outward face's vertices are in an order that an even number of swaps sorts.
+    fn is_even(&self, face: u32) -> bool {
+        const OUTWARD: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+        let tet = &self.tets[tet_of(face) as usize];
+        let [a, b, c] = OUTWARD[slot_of(face)].map(|slot| tet[slot]);
+        !((a > b) ^ (a > c) ^ (b > c))
+    }
+
+    /// Tetrahedra are on different sides of the face that they share, so that walks around edges come back; and no vertex across a face lies
+    /// inside a tetrahedron's circumsphere.
     fn check_delaunay(&self) -> Result<(), Error> {
         for t in 0..self.tets.len() as u32 {
             for slot in 0..4 {
@@ -132,6 +141,12 @@ impl<'a> Mesh<'a> {
                 // Each face once.
                 if across == NONE || across < 4 * t + slot {
                     continue;
+                }
+                if self.is_even(4 * t + slot) == self.is_even(across) {
+                    let other = tet_of(across);
+                    return Err(invalid(format!(
+                        "tetrahedra {t} and {other} are on the same side of the face that they share"
+                    )));
                 }
                 let v = self.tets[tet_of(across) as usize][slot_of(across)];
                 let [a, b, c, d] = self.corners(t);

@@ -7,8 +7,10 @@
 //! | `split` | rules 1 and 2 |
 //! | `restore` | recovery of what is missing; each split a transaction |
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
+//! | `limits` | seconds and bytes |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
+pub(crate) mod limits;
 pub(crate) mod queue;
 pub(crate) mod refiner;
 pub(crate) mod restore;
@@ -28,9 +30,11 @@ pub struct RefineOptions {
     pub radius_edge: f64,
     /// How Steiner points are chosen.
     pub rule: Rule,
-    /// No vertex is added beyond this many, input included.
+    /// No vertex is added beyond this many, input included, but for the few that may be needed to keep segments and facets whole where their
+    /// points can't stand exactly on them.
     pub max_vertices: usize,
-    /// No Steiner point is added nearer than this to a vertex; 0 chooses 2⁻⁴⁰ of the bounding box's diagonal.
+    /// No Steiner point is added nearer than this to a vertex; 0 chooses 2⁻⁴⁰ of the bounding box's diagonal, but no less than 2⁻⁴⁶ of the
+    /// largest coordinate.
     pub min_edge: f64,
     /// How hard to try to do with fewer Steiner points; `None` stands for [`Sparsify::Quick`] with [`Rule::Sparse`], for [`Sparsify::Off`] with the
     /// others.
@@ -38,6 +42,11 @@ pub struct RefineOptions {
     /// Leaves segments and facets as they are: no Steiner point is put on them. Tetrahedra that could only be mended so are left and counted. What the
     /// domain's recovery had to add when the mesh was made remains.
     pub keep_boundary: bool,
+    /// The refinement stops after so many seconds; 0 for no limit.
+    pub max_seconds: f64,
+    /// The refinement stops before its large arrays and the mesh's take more than so many bytes; 0 for no limit. Views and the last bits of
+    /// bookkeeping are not counted.
+    pub max_memory: usize,
 }
 
 impl Default for RefineOptions {
@@ -49,6 +58,8 @@ impl Default for RefineOptions {
             min_edge: 0.0,
             sparsify: None,
             keep_boundary: false,
+            max_seconds: 0.0,
+            max_memory: 0,
         }
     }
 }
@@ -76,6 +87,13 @@ impl RefineOptions {
                 expected: "a finite length, or 0 for the default",
             });
         }
+        if self.max_seconds.is_nan() || self.max_seconds < 0.0 {
+            return Err(Error::InvalidOption {
+                name: "max_seconds",
+                value: self.max_seconds,
+                expected: "a number of seconds, or 0 for no limit",
+            });
+        }
         Ok(())
     }
 }
@@ -86,12 +104,17 @@ impl RefineOptions {
 pub enum RefineStatus {
     /// Every tetrahedron of the domain keeps the bound.
     Done,
-    /// The control was cancelled. The mesh is valid, and refining it again goes on from here.
+    /// The control was cancelled. The mesh is valid, and refining it again goes on from here. Its quality has not been measured: see
+    /// [`RefineReport::measured`].
     Cancelled,
     /// The vertex limit was reached. The mesh is valid.
     VertexLimit,
     /// Some tetrahedra are left bad, for the reasons that the report counts.
     Unrefined,
+    /// The seconds were over. The mesh is valid, and refining it again goes on from here.
+    TimeLimit,
+    /// More memory would have been needed than allowed. The mesh is valid.
+    MemoryLimit,
 }
 
 /// Why a tetrahedron is over the bound after a refinement.
@@ -161,6 +184,9 @@ pub struct RefineReport {
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.
     pub min_dihedral_degrees: f64,
+    /// Whether the domain's tetrahedra have been looked at. After a cancellation they are not, for that takes a while: the numbers of tetrahedra
+    /// are 0 then, and the ratios NaN. [`Mesh::report`](crate::Mesh::report) makes up for it.
+    pub measured: bool,
 }
 
 #[cfg(test)]

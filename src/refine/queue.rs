@@ -13,6 +13,7 @@ use std::collections::BinaryHeap;
 
 use crate::geometry::quality::EDGES;
 use crate::triangulation::Triangulation;
+use crate::{memory, Error};
 
 /// A tetrahedron to be mended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,16 +76,24 @@ struct Buckets {
     lists: Vec<Vec<Entry>>,
     /// A bit for each: whether there is anything in it.
     filled: Vec<u64>,
+    /// What the lists have taken, about.
+    bytes: usize,
 }
 
 impl Buckets {
     #[inline]
-    fn push(&mut self, entry: Entry) {
+    fn push(&mut self, entry: Entry) -> Result<(), Error> {
         let bucket = entry.bucket();
         let place = bucket.wrapping_sub(self.first) as usize;
         let place = if place < self.lists.len() { place } else { self.make_place(bucket) };
+        let list = &mut self.lists[place];
+        if list.len() == list.capacity() {
+            memory::reserve(list, 1, "bad tetrahedra")?;
+            self.bytes += list.capacity() * size_of::<Entry>() / 2;
+        }
         self.filled[place / 64] |= 1 << (place % 64);
-        self.lists[place].push(entry);
+        list.push(entry);
+        Ok(())
     }
 
     /// Makes places up to that of `bucket`, which has none yet.
@@ -117,6 +126,7 @@ impl Buckets {
         let place = bucket.wrapping_sub(self.first) as usize;
         let Some(list) = self.lists.get_mut(place) else { return Vec::new() };
         self.filled[place / 64] &= !(1 << (place % 64));
+        self.bytes = self.bytes.saturating_sub(list.capacity() * size_of::<Entry>());
         std::mem::take(list)
     }
 }
@@ -137,39 +147,47 @@ pub fn shortest_edge(t: &Triangulation, tet: u32) -> ([usize; 2], f64) {
 
 impl Queue {
     /// Queues a tetrahedron, whose shortest edge squared that is.
-    pub fn push(&mut self, t: &Triangulation, tet: u32, shortest: f64) {
+    pub fn push(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
         let entry = Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet };
         self.count += 1;
         if entry.bucket() == self.current {
+            if self.heap.len() == self.heap.capacity() {
+                self.heap.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;
+            }
             self.heap.push(Reverse(entry));
-        } else {
-            self.waiting.push(entry);
+            return Ok(());
         }
+        self.waiting.push(entry)
+    }
+
+    /// The bytes that it has taken, about.
+    pub fn bytes(&self) -> usize {
+        self.heap.capacity() * size_of::<Entry>() + self.waiting.bytes
     }
 
     /// The next tetrahedron that still exists.
-    pub fn pop(&mut self, t: &Triangulation) -> Option<u32> {
+    pub fn pop(&mut self, t: &Triangulation) -> Result<Option<u32>, Error> {
         loop {
             if let Some(first) = self.waiting.first_filled() {
                 if self.heap.is_empty() || first < self.current {
-                    self.turn_to(first, t);
+                    self.turn_to(first, t)?;
                     // All of it may have been dead.
                     continue;
                 }
             }
-            let Reverse(entry) = self.heap.pop()?;
+            let Some(Reverse(entry)) = self.heap.pop() else { return Ok(None) };
             self.count -= 1;
             if entry.is_live(t) {
-                return Some(entry.t);
+                return Ok(Some(entry.t));
             }
         }
     }
 
     /// Makes a waiting bucket the current one.
-    fn turn_to(&mut self, bucket: u32, t: &Triangulation) {
+    fn turn_to(&mut self, bucket: u32, t: &Triangulation) -> Result<(), Error> {
         if !self.heap.is_empty() {
             for Reverse(entry) in std::mem::take(&mut self.heap) {
-                self.waiting.push(entry);
+                self.waiting.push(entry)?;
             }
         }
         self.current = bucket;
@@ -177,7 +195,9 @@ impl Queue {
         let before = entries.len();
         entries.retain(|entry| entry.is_live(t));
         self.count -= before - entries.len();
+        // In place: the two are laid out alike.
         self.heap = entries.into_iter().map(Reverse).collect();
+        Ok(())
     }
 
     /// Entries, dead ones included.

@@ -7,6 +7,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use super::limits::Limits;
 use super::queue::{shortest_edge, Queue};
 use super::restore::{Element, Record};
 use super::sizing::Sizes;
@@ -46,6 +47,7 @@ pub struct Refiner<'a> {
     pub(super) radius_edge: f64,
     rule: Rule,
     max_vertices: usize,
+    pub limits: Limits,
     pub min_edge: f64,
     /// Tries to do with fewer samples, if that is wanted.
     pub sparsifier: Option<Sparsifier>,
@@ -84,14 +86,14 @@ const REPORT_INTERVAL: usize = 256;
 
 impl<'a> Refiner<'a> {
     pub fn new(t: &'a mut Triangulation, boundary: &'a mut Boundary, options: &RefineOptions) -> Refiner<'a> {
-        let (low, high) = t.bounding_box();
-        let default = (high - low).length() * (1.0 / (1u64 << 40) as f64);
+        let default = t.least_edge();
         Refiner {
             t,
             boundary,
             radius_edge: options.radius_edge,
             rule: options.rule,
             max_vertices: options.max_vertices,
+            limits: Limits::new(options),
             min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
             sparsifier: None,
             edge: 0.0,
@@ -119,14 +121,19 @@ impl<'a> Refiner<'a> {
     /// The whole loop.
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
+        if !self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1) {
+            return Err(Error::OutOfMemory { what: "marks" });
+        }
         self.boundary.unblock(self.t);
         let all: Vec<u32> = self.t.topology.finite().collect();
         if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
-        watch(self.t, &mut self.queue, self.radius_edge, all.iter().copied());
+        if !self.watch_all(control)? {
+            return Ok(RefineStatus::Cancelled);
+        }
         for some in all.chunks(4096) {
-            self.watch_size(some);
+            self.watch_size(some)?;
         }
         let mut turns = 0usize;
         loop {
@@ -136,7 +143,7 @@ impl<'a> Refiner<'a> {
             if self.boundary_step()? {
                 continue;
             }
-            let Some(t) = self.queue.pop(self.t) else { break };
+            let Some(t) = self.queue.pop(self.t)? else { break };
             self.mend(t)?;
         }
         Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
@@ -158,8 +165,30 @@ impl<'a> Refiner<'a> {
         if !go_on {
             return Some(RefineStatus::Cancelled);
         }
-        let work_left = open > 0;
-        (vertices >= self.max_vertices && work_left).then_some(RefineStatus::VertexLimit)
+        if open == 0 {
+            return None;
+        }
+        if vertices >= self.max_vertices {
+            return Some(RefineStatus::VertexLimit);
+        }
+        let Refiner { limits, t, boundary, queue, cavity, .. } = self;
+        limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes())
+    }
+
+    /// Queues all bad tetrahedra; false when cancelled.
+    fn watch_all(&mut self, control: &Control) -> Result<bool, Error> {
+        /// Places looked at between two looks at the control.
+        const BLOCK: usize = 1 << 14;
+        let end = self.t.topology.tets.len();
+        for first in (0..end).step_by(BLOCK) {
+            if !control.poll() {
+                return Ok(false);
+            }
+            let t = &*self.t;
+            let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
+            watch(t, &mut self.queue, self.radius_edge, (first as u32..end.min(first + BLOCK) as u32).filter(finite))?;
+        }
+        Ok(true)
     }
 
     /// Splits one boundary element if any waits. Returns false when none does.
@@ -220,7 +249,7 @@ impl<'a> Refiner<'a> {
         }
         if self.t.topology.tet(tet).v == v {
             if placed_any || self.t.vertex_count() >= self.max_vertices {
-                self.queue.push(self.t, tet, length2);
+                self.queue.push(self.t, tet, length2)?;
             } else {
                 self.refuse(v, if seditious { Unrefined::SmallAngle } else { reason });
             }
@@ -239,7 +268,7 @@ impl<'a> Refiner<'a> {
         self.cavity.clear();
         let t = &*self.t;
         let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
-        watch(t, &mut self.queue, self.radius_edge, live);
+        watch(t, &mut self.queue, self.radius_edge, live)?;
         Ok(true)
     }
 
@@ -315,7 +344,7 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Spared);
         }
         let new = self.insert_prepared(p)?;
-        self.finish();
+        self.finish()?;
         Ok(Placed::Inserted(new))
     }
 
@@ -327,40 +356,47 @@ impl<'a> Refiner<'a> {
     }
 
     /// Looks at the tetrahedra that the last insertion created.
-    pub(super) fn finish(&mut self) {
+    pub(super) fn finish(&mut self) -> Result<(), Error> {
         if let (Some(sizes), Some(&first)) = (&mut self.sizes, self.cavity.created.first()) {
             // The vertex that all of them have is the one just inserted.
             let of = |c: u32| self.t.topology.tet(c).v;
             let all = |v: &u32| self.cavity.created.iter().all(|&c| of(c).contains(v));
-            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return };
+            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return Ok(()) };
             let around: Vec<u32> = self.cavity.created.iter().flat_map(|&c| self.t.topology.tet(c).v).collect();
             sizes.add_vertex(self.t, new, around.into_iter().filter(|&v| v != new && v != GHOST));
             if self.watching {
                 let created = std::mem::take(&mut self.cavity.created);
-                self.watch_size(&created);
+                self.watch_size(&created)?;
                 self.cavity.created = created;
             }
         }
-        if self.watching {
-            watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied());
+        if !self.watching {
+            return Ok(());
         }
+        watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied())
     }
 
     /// Queues those of some tetrahedra that are in the domain and too large.
-    fn watch_size(&mut self, some: &[u32]) {
-        let Some(sizes) = &mut self.sizes else { return };
+    fn watch_size(&mut self, some: &[u32]) -> Result<(), Error> {
+        let Some(sizes) = &mut self.sizes else { return Ok(()) };
         let inside: Vec<u32> = some.iter().copied().filter(|&t| self.t.is_inside(t)).collect();
         for t in sizes.too_large(self.t, &inside) {
             // A bad one is queued as such.
             if !exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
-                self.queue.push(self.t, t, shortest_edge(self.t, t).1);
+                self.queue.push(self.t, t, shortest_edge(self.t, t).1)?;
             }
         }
+        Ok(())
     }
 }
 
 /// Queues those tetrahedra that are in the domain and bad.
-pub(super) fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets: impl Iterator<Item = u32>) {
+pub(super) fn watch(
+    t: &Triangulation,
+    queue: &mut Queue,
+    radius_edge: f64,
+    tets: impl Iterator<Item = u32>,
+) -> Result<(), Error> {
     let mut inside = tets.filter(|&tet| t.is_inside(tet));
     loop {
         let (mut four, mut count) = ([0; 4], 0);
@@ -369,14 +405,14 @@ pub(super) fn watch(t: &Triangulation, queue: &mut Queue, radius_edge: f64, tets
             count += 1;
         }
         if count == 0 {
-            return;
+            return Ok(());
         }
         let last = four[count - 1];
         four[count..].fill(last);
         let corners = four.map(|tet| t.corner_refs(tet));
         let (bad, shortest) = four_exceed_radius_edge(&corners, radius_edge);
         for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            queue.push(t, four[i], shortest[i]);
+            queue.push(t, four[i], shortest[i])?;
         }
     }
 }

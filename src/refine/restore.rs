@@ -107,7 +107,7 @@ impl Refiner<'_> {
                 Step::Nothing => {
                     let vertices: Vec<u32> = self.records.iter().map(|record| record.vertex).collect();
                     let stars = vertices.iter().flat_map(|&v| self.t.topology.star(v)).collect();
-                    self.relabel(stars);
+                    self.relabel(stars)?;
                     return Ok(split);
                 }
                 Step::Split => {}
@@ -152,18 +152,16 @@ impl Refiner<'_> {
             changed.extend_from_slice(&self.hole.created);
         }
         changed.retain(|&tet| self.t.topology.tet(tet).is_live());
-        self.relabel(changed);
-        Ok(())
+        self.relabel(changed)
     }
 
     /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
     /// side. All others have the right ones.
-    fn relabel(&mut self, mut order: Vec<u32>) {
+    fn relabel(&mut self, mut order: Vec<u32>) -> Result<(), Error> {
         let mut changed: FxHashSet<u32> = FxHashSet::default();
         order.retain(|&tet| changed.insert(tet));
         if self.t.topology.region.is_empty() {
-            watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
-            return;
+            return watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
         }
         let mut labels: FxHashMap<u32, u16> = FxHashMap::default();
         for &seed in &order {
@@ -200,6 +198,6 @@ impl Refiner<'_> {
         for tet in &order {
             self.t.topology.region[*tet as usize] = labels[tet];
         }
-        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
+        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())
     }
 }

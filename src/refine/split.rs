@@ -26,6 +26,7 @@ pub enum Split {
 impl Refiner<'_> {
     /// Rule 1: splits a subsegment near its middle.
     pub(super) fn split_segment(&mut self, edge: [u32; 2], demand: Demand) -> Result<Split, Error> {
+        self.boundary.reserve()?;
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
         let found = self.t.topology.find_edge(edge[0], edge[1]);
@@ -64,7 +65,7 @@ impl Refiner<'_> {
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
                 self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
                 self.sort_pending(pending);
-                self.finish();
+                self.finish()?;
                 self.segment_splits += 1;
                 self.record(new, true, before, changes);
                 Ok(Split::Done(new))
@@ -75,6 +76,7 @@ impl Refiner<'_> {
 
     /// Rule 2: inserts a subfacet's circumcentre, unless that encroaches upon a subsegment, which then is queued before it.
     pub(super) fn split_facet(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
+        self.boundary.reserve()?;
         let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
             FacetSplit::At(p, triangle) => (flush_tiny(p), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
@@ -114,7 +116,7 @@ impl Refiner<'_> {
         self.boundary.facet_changed(self.t, new, *facet, change, &self.cavity.created, after);
         self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
         self.sort_pending(pending);
-        self.finish();
+        self.finish()?;
         self.facet_splits += 1;
         self.record(new, true, before, changes.into());
         Ok(Split::Done(new))

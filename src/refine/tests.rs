@@ -311,3 +311,69 @@ fn seeds_must_be_finite() {
     let refused = Mesh::from_plc(&plc, &Control::new());
     assert!(matches!(refused, Err(Error::InvalidDomain { element: crate::DomainElement::Facet(3), .. })));
 }
+
+/// Found by fuzzing: a vertex a unit in the last place off a side of the box; a refinement said that it was done, or had reached its limit, while
+/// subsegments were missing.
+#[test]
+fn what_a_refinement_calls_done_has_all_of_its_boundary() {
+    let loose = [[7.0, -8.000000000000002, -8.0], [2.0, -5.0, 2.9999999999999996], [-4.0, -8.0, -8.0]];
+    let plc = Plc::boxed(DVec3::splat(-8.0), DVec3::splat(8.0), loose.map(DVec3::from));
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    for max_vertices in [0, 60, 400] {
+        let options = RefineOptions { max_vertices, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        mesh.triangulation().validate(3).unwrap();
+        match mesh.validate(3) {
+            Ok(()) => {}
+            Err(defect) => assert_ne!(report.status, RefineStatus::Done, "{defect}"),
+        }
+    }
+}
+
+#[test]
+fn seconds_and_bytes_end_a_refinement_where_it_can_go_on() {
+    let plc =
+        Plc::boxed(DVec3::splat(-8.0), DVec3::splat(8.0), [DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, 0.31)]);
+    let whole = {
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        mesh.refine(&RefineOptions::default(), &Control::new()).unwrap()
+    };
+    let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    let none = RefineOptions { max_seconds: 1e-300, ..RefineOptions::default() };
+    let report = mesh.refine(&none, &Control::new()).unwrap();
+    let added = report.samples + report.segment_splits + report.facet_splits;
+    assert_eq!((report.status, added, report.measured), (RefineStatus::TimeLimit, 0, true));
+    let little = RefineOptions { max_memory: 1, ..RefineOptions::default() };
+    assert_eq!(mesh.refine(&little, &Control::new()).unwrap().status, RefineStatus::MemoryLimit);
+    // As if nothing had been.
+    let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+    assert_eq!((report.status, report.vertices, report.bad), (whole.status, whole.vertices, 0));
+}
+
+/// Found by fuzzing: closing the gaps among the Steiner points' ids took the NaN of removed input points into the filter, and the predicates
+/// answered wrongly from then on.
+#[test]
+fn removed_input_points_do_not_spoil_the_predicates() {
+    let points = [
+        [-8.0, 7.0, -6.0],
+        [-8.0, -8.0, -8.000000000000002],
+        [-8.0, -8.0, -8.0],
+        [-4.0, -8.0, 0.0],
+        [7.0, -6.0, -5.0],
+        [-8.0, -0.9, -0.9],
+        [-0.9, -8.0, -8.0],
+        [3.0000000000000004, -8.0, -8.0],
+        [-0.9, -0.9, -0.9],
+    ]
+    .map(DVec3::from);
+    let mut mesh = Mesh::new();
+    mesh.insert(&points, None, &Control::new()).unwrap();
+    for v in [0, 1, 7] {
+        mesh.remove(v).unwrap();
+    }
+    let report = mesh.refine(&RefineOptions { max_vertices: 60, ..RefineOptions::default() }, &Control::new()).unwrap();
+    assert!(report.removed + report.replaced > 0, "no gap was closed: {report:?}");
+    mesh.triangulation().validate(3).unwrap();
+    let (low, high) = mesh.triangulation().bounding_box();
+    assert!(low.is_finite() && high.is_finite(), "{low} {high}");
+}

@@ -27,11 +27,12 @@ pub(crate) mod search;
 use std::collections::VecDeque;
 
 use crate::domain::Boundary;
+use crate::refine::limits::Limits;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error};
+use crate::{Control, DVec3, Error, RefineStatus};
 use forecast::{Demand, Forecast};
 
 /// How hard to try to do with fewer Steiner points.
@@ -180,8 +181,14 @@ impl Sparsifier {
         Ok(true)
     }
 
-    /// The pass over all Steiner points. False when the control cancelled it; the mesh is valid then too.
-    pub fn run(&mut self, t: &mut Triangulation, boundary: &mut Boundary, control: &Control) -> Result<bool, Error> {
+    /// The pass over all Steiner points. Says what stopped it, if it could not finish; the mesh is valid then too.
+    pub fn run(
+        &mut self,
+        t: &mut Triangulation,
+        boundary: &mut Boundary,
+        control: &Control,
+        limits: &mut Limits,
+    ) -> Result<Option<RefineStatus>, Error> {
         let mut queue = Queue::default();
         for v in self.first..t.vertex_slots() as u32 {
             if self.is_steiner(t, v) && (self.effort.all || boundary.kind(v) != 0) {
@@ -197,7 +204,10 @@ impl Sparsifier {
             let go_on =
                 if turns % 64 == 0 { control.report("sparsify", fraction, t.vertex_count()) } else { control.poll() };
             if !go_on {
-                return Ok(false);
+                return Ok(Some(RefineStatus::Cancelled));
+            }
+            if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
+                return Ok(Some(status));
             }
             turns += 1;
             if !self.is_steiner(t, v) {
@@ -214,7 +224,7 @@ impl Sparsifier {
                 }
             }
         }
-        Ok(true)
+        Ok(None)
     }
 }
 

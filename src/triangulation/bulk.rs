@@ -13,7 +13,7 @@ use super::threads::{self, share_out};
 use super::topology::NONE;
 use super::Triangulation;
 use crate::geometry::lanes::Portable;
-use crate::{Control, Error};
+use crate::{memory, Control, Error, LogLevel};
 
 /// Vertices of before are nobody's if they are not more than one in so many.
 const FEW_OTHERS: usize = 64;
@@ -58,11 +58,14 @@ impl Triangulation {
     pub(super) fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
         let threads = threads::count(self.threads.0).min(1 << MAX_DEPTH);
         let (base, present) = (self.points.len(), self.vertex_count());
-        let SpatialOrder { order, mut rounds, ends } = SpatialOrder::new(points, threads);
-        let no_memory = |what| Error::OutOfMemory { what };
-        self.points.try_reserve(points.len()).map_err(|_| no_memory("points"))?;
+        control.log(LogLevel::Info, || format!("delaunay: {} points, {threads} threads", points.len()));
+        if !control.report("delaunay", 0.0, present) {
+            return Ok(None);
+        }
+        let SpatialOrder { order, mut rounds, ends } = SpatialOrder::new(points, threads, control)?;
+        memory::reserve(&mut self.points, points.len(), "points")?;
         // Seven for each point, and what divided places leave unused.
-        self.topology.tets.try_reserve(points.len() / 2 * 15).map_err(|_| no_memory("tetrahedra"))?;
+        memory::reserve(&mut self.topology.tets, points.len() / 2 * 15, "tetrahedra")?;
         debug_assert_eq!(order.len(), points.len());
         self.filter.extend_all(points);
         let room = &mut self.points.spare_capacity_mut()[..points.len()];
@@ -96,7 +99,7 @@ impl Triangulation {
         // Vertices to positions in the order.
         let duplicates: Vec<(usize, u32)> =
             progress.duplicates.iter().map(|&(v, at)| (v as usize - base, at)).collect();
-        let ids = self.number_in_input_order(base, points, &order, &duplicates, threads);
+        let ids = self.number_in_input_order(base, points, &order, (&duplicates, threads), control)?;
         control.report("delaunay", 1.0, self.vertex_count());
         Ok(Some(ids))
     }
@@ -109,8 +112,14 @@ impl Triangulation {
         progress: &mut Progress,
     ) -> Result<bool, Error> {
         let mut cavity = std::mem::take(&mut self.scratch);
+        if !cavity.reserve(self.topology.tets.capacity(), self.points.len()) {
+            return Err(Error::OutOfMemory { what: "marks" });
+        }
         for (turn, (vertex, hint)) in vertices.enumerate() {
-            if turn % POLL_INTERVAL == 0 && !progress.report(0) {
+            // A cancellation from another thread is seen at once.
+            let goes_on = if turn % POLL_INTERVAL == 0 { progress.report(0) } else { progress.control.poll() };
+            if !goes_on {
+                self.scratch = cavity;
                 return Ok(false);
             }
             progress.done += 1;
@@ -192,7 +201,12 @@ impl Triangulation {
         // SAFETY: this is the triangulation, and nobody else has it; the starts were found for their territories, and there is room in
         // the cavities.
         let outcomes = unsafe { pass.run(&mut cavities[..ready], |more| progress.report(more)) };
-        let Some(outcomes) = outcomes else { return Ok(false) };
+        let Some(outcomes) = outcomes else {
+            // All of it is forgotten now; the memory may serve again.
+            tets.clear();
+            self.topology.tets = tets;
+            return Ok(false);
+        };
         // SAFETY: the outcomes of this pass.
         let (end, mut free) = unsafe { pass.settle(&outcomes) };
         // SAFETY: settled: all places up to the end have been written.
@@ -248,11 +262,13 @@ impl Triangulation {
         base: usize,
         points: &[DVec3],
         order: &[u32],
-        duplicates: &[(usize, u32)],
-        threads: usize,
-    ) -> Vec<u32> {
-        let mut new_id: Vec<u32> = (0..base as u32).collect();
-        let mut ids: Vec<u32> = (base as u32..(base + points.len()) as u32).collect();
+        (duplicates, threads): (&[(usize, u32)], usize),
+        control: &Control,
+    ) -> Result<Vec<u32>, Error> {
+        let mut new_id: Vec<u32> = memory::with_room(base + points.len(), "ids")?;
+        let mut ids: Vec<u32> = memory::with_room(points.len(), "ids")?;
+        new_id.extend(0..base as u32);
+        ids.extend(base as u32..(base + points.len()) as u32);
         self.points.truncate(base);
         if duplicates.is_empty() {
             new_id.extend(order.iter().map(|&i| base as u32 + i));
@@ -274,8 +290,8 @@ impl Triangulation {
                 *id = *entry;
             }
         }
-        self.topology.renumber(&new_id, self.points.len(), threads);
-        ids
+        self.topology.try_renumber(&new_id, self.points.len(), threads, control)?;
+        Ok(ids)
     }
 }
 

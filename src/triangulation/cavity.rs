@@ -13,6 +13,7 @@ use super::star::StarBuilder;
 use super::topology::{slot_of, tet_of, Topology, GHOST};
 use super::Triangulation;
 use crate::geometry::Filter;
+use crate::{memory, Error};
 
 /// The cavity of one point, and scratch memory to find the next one in.
 #[derive(Clone, Debug, Default)]
@@ -56,10 +57,21 @@ impl Cavity {
     }
 
     /// Memory for cavities among that many tetrahedra and vertices, or `false` where there is none.
-    pub(super) fn reserve(&mut self, tetrahedra: usize, vertices: usize) -> bool {
+    pub(crate) fn reserve(&mut self, tetrahedra: usize, vertices: usize) -> bool {
         self.clear();
         (self.marks.len() >= tetrahedra || zeroed(tetrahedra).map(|marks| self.marks = marks).is_some())
             && self.labels.reserve(vertices)
+    }
+
+    /// Makes room for marks of so many tetrahedra, so that the next search asks for no memory.
+    pub(super) fn reserve_marks(&mut self, tetrahedra: usize) -> Result<(), Error> {
+        let more = tetrahedra.saturating_sub(self.marks.len());
+        memory::reserve(&mut self.marks, more, "marks")
+    }
+
+    /// The bytes of its marks.
+    pub(crate) fn bytes(&self) -> usize {
+        self.marks.capacity()
     }
 
     /// Makes an empty cavity with marks for all tetrahedra.
@@ -82,11 +94,9 @@ impl Cavity {
     }
 }
 
-/// A list of zeros, which the system gives page by page as they are written to; `None` when it has none to give.
+/// A list of zeros; `None` when there is no memory for it.
 pub(super) fn zeroed<T: Copy + Default>(count: usize) -> Option<Vec<T>> {
-    // A first attempt, because the second one ends the process when it fails.
-    Vec::<T>::new().try_reserve_exact(count).ok()?;
-    Some(vec![T::default(); count])
+    memory::zeroed(count, "marks").ok()
 }
 
 impl Triangulation {

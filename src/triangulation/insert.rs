@@ -3,13 +3,13 @@
 use glam::DVec3;
 
 use super::cavity::Cavity;
-use super::order::spatial_order;
+use super::order::try_spatial_order;
 use super::pass::POLL_INTERVAL;
 use super::site::Site;
 use super::topology::{tet_of, GHOST, MAX_VERTICES};
 use super::Triangulation;
 use crate::geometry::{check_points, check_range, Sign};
-use crate::{Control, Error};
+use crate::{memory, Control, Error};
 
 /// What became of an inserted point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,17 +28,24 @@ impl Triangulation {
     ///
     /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
     pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
-        self.insert_as(self.next_vertex(), point, hint)
+        self.insert_as(self.next_vertex(), point, hint, &Control::new())
     }
 
-    fn insert_as(&mut self, vertex: u32, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
+    fn insert_as(
+        &mut self,
+        vertex: u32,
+        point: DVec3,
+        hint: Option<u32>,
+        control: &Control,
+    ) -> Result<Inserted, Error> {
         check_range(0, point)?;
         self.check_room(1)?;
+        self.reserve_vertex()?;
         let point = point + DVec3::ZERO;
         self.filter.extend(point);
         let start = self.start(hint);
         let slots = self.points.len();
-        let found = self.insert_new(vertex, point, start);
+        let found = self.insert_new(vertex, point, start, control);
         if !matches!(found, Ok(inserted) if inserted.is_new) {
             self.unstore(vertex, slots);
         }
@@ -53,26 +60,39 @@ impl Triangulation {
     /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it already
     /// has tetrahedra and more than a thousand points come at once.
     pub fn insert_many(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        check_points(points)?;
+        // Before a look at any of them: no memory holds too many.
         self.check_room(points.len())?;
+        check_points(points)?;
         if !control.poll() {
             return Ok(None);
         }
-        let before = if points.len() >= UNINTERRUPTED { Some(self.clone()) } else { None };
-        let fallback = |this: &mut Self, before: Option<Triangulation>| {
-            if let Some(before) = before {
-                *this = before;
-            }
+        // To go back to nothing no copy is needed, and the memory stays for another try.
+        let from_nothing = self.points.is_empty();
+        let copy =
+            || if from_nothing || points.len() < UNINTERRUPTED { Ok(None) } else { self.try_clone(control).map(Some) };
+        let before = match copy() {
+            Ok(before) => before,
+            Err(Error::Cancelled) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        if points.len() > 1 && self.dimension() == 3 {
+            // Without a copy to go back to, what memory is needed is asked for before the first insertion.
+            self.topology.reserve(16 * points.len())?;
+        }
+        let fallback = |this: &mut Self, before: Option<Triangulation>| match before {
+            Some(before) => *this = before,
+            None if from_nothing => this.clear(),
+            None => {}
         };
         let base = self.points.len();
         match self.insert_all(points, control) {
             Ok(Some(ids)) => Ok(Some(ids)),
-            Ok(None) => {
+            Ok(None) | Err(Error::Cancelled) => {
                 fallback(self, before);
                 Ok(None)
             }
             Err(error) => {
-                debug_assert!(before.is_some() || self.points.len() == base);
+                debug_assert!(before.is_some() || from_nothing || self.points.len() == base);
                 fallback(self, before);
                 Err(error)
             }
@@ -80,7 +100,7 @@ impl Triangulation {
     }
 
     fn check_room(&self, more: usize) -> Result<(), Error> {
-        let requested = self.points.len() + more;
+        let requested = self.points.len().saturating_add(more);
         if requested > MAX_VERTICES || !self.topology.has_room(more) {
             return Err(Error::TooManyVertices { requested, limit: MAX_VERTICES });
         }
@@ -88,18 +108,21 @@ impl Triangulation {
     }
 
     fn insert_all(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let mut ids = Vec::with_capacity(points.len());
+        let mut ids = memory::with_room(points.len(), "ids")?;
         // Until a volume is spanned, and when they are few: one after the other.
         let mut rest = points;
         while let Some((&point, others)) = rest.split_first() {
             if self.dimension() == 3 && points.len() >= UNINTERRUPTED {
                 break;
             }
-            if ids.len() % POLL_INTERVAL == 0 && points.len() >= UNINTERRUPTED && !control.poll() {
-                return Ok(None);
+            if ids.len() % POLL_INTERVAL == 0 && points.len() >= UNINTERRUPTED {
+                let fraction = ids.len() as f64 / points.len() as f64;
+                if !control.report("delaunay", fraction, self.vertex_count()) {
+                    return Ok(None);
+                }
             }
             let vertex = if points.len() == 1 { self.next_vertex() } else { self.points.len() as u32 };
-            ids.push(self.insert_as(vertex, point, None)?.vertex);
+            ids.push(self.insert_as(vertex, point, None, control)?.vertex);
             rest = others;
         }
         if rest.is_empty() {
@@ -113,28 +136,49 @@ impl Triangulation {
 
     /// Stores `point` as that vertex and inserts it. When it is not new or fails, the caller takes it off again.
     #[inline]
-    fn insert_new(&mut self, vertex: u32, point: DVec3, start: u32) -> Result<Inserted, Error> {
+    fn insert_new(&mut self, vertex: u32, point: DVec3, start: u32, control: &Control) -> Result<Inserted, Error> {
         self.store(vertex, point);
         if self.dimension() < 3 {
-            return self.insert_lower(vertex, point);
+            return self.insert_lower(vertex, point, control);
         }
         self.insert_stored(vertex, start)
     }
 
-    fn insert_lower(&mut self, vertex: u32, point: DVec3) -> Result<Inserted, Error> {
+    fn insert_lower(&mut self, vertex: u32, point: DVec3, control: &Control) -> Result<Inserted, Error> {
         if let Some(vertex) = self.lower.find(point) {
             return Ok(Inserted { vertex, is_new: false });
         }
         if let Some(basis) = self.lower.add(vertex, point, &self.points) {
-            self.start_from(basis);
-            let vertices: Vec<u32> = self.vertices().collect();
-            let points: Vec<DVec3> = vertices.iter().map(|&v| self.at(v)).collect();
-            let order = spatial_order(&points).into_iter().map(|i| vertices[i as usize]);
-            for v in order.filter(|v| !basis.contains(v)) {
-                self.insert_stored(v, self.last)?;
+            if let Err(error) = self.raise(basis, control) {
+                self.topology.clear_tetrahedra();
+                self.lower.take_back(point);
+                return Err(error);
             }
+            self.lower.forget_points();
         }
         Ok(Inserted { vertex, is_new: true })
+    }
+
+    /// Triangulates all vertices, of which four span a volume since the last one came.
+    fn raise(&mut self, basis: [u32; 4], control: &Control) -> Result<(), Error> {
+        let mut vertices: Vec<u32> = memory::with_room(self.vertex_count(), "vertices")?;
+        vertices.extend(self.vertices());
+        let mut points: Vec<DVec3> = memory::with_room(vertices.len(), "points")?;
+        points.extend(vertices.iter().map(|&v| self.at(v)));
+        let order = try_spatial_order(&points, control)?.into_iter().map(|i| vertices[i as usize]);
+        self.start_from(basis);
+        for (turn, v) in order.filter(|v| !basis.contains(v)).enumerate() {
+            let goes_on = if turn % POLL_INTERVAL == 0 {
+                control.report("delaunay", turn as f64 / vertices.len() as f64, vertices.len())
+            } else {
+                control.poll()
+            };
+            if !goes_on {
+                return Err(Error::Cancelled);
+            }
+            self.insert_stored(v, self.last)?;
+        }
+        Ok(())
     }
 
     /// The triangulation of one tetrahedron and its four ghosts.
@@ -189,9 +233,27 @@ impl Triangulation {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
         }
+        if let Err(error) = self.reserve_for(cavity) {
+            cavity.clear();
+            return Err(error);
+        }
         self.fill_cavity(vertex, cavity, incidence);
         self.last = cavity.created[cavity.created.len() - 1];
         Ok(())
+    }
+
+    /// Memory for the star that replaces a cavity, and for the marks of the search after it.
+    #[inline]
+    fn reserve_for(&mut self, cavity: &mut Cavity) -> Result<(), Error> {
+        let before = self.topology.tets.capacity();
+        self.topology.reserve(cavity.faces.len())?;
+        let now = self.topology.tets.capacity();
+        if now == before {
+            return Ok(());
+        }
+        cavity.reserve_marks(now)?;
+        // A vertex has some six tetrahedra.
+        cavity.labels.reserve_room(now / 6)
     }
 
     /// The corner of tetrahedron `t` that lies at `point`.
@@ -225,6 +287,10 @@ impl Triangulation {
         if vertex as usize >= MAX_VERTICES {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: vertex as usize + 1, limit: MAX_VERTICES });
+        }
+        if let Err(error) = self.reserve_vertex() {
+            cavity.clear();
+            return Err(error);
         }
         self.filter.extend(point);
         self.store(vertex, point);

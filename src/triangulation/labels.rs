@@ -2,6 +2,7 @@
 //! may be new. So that nothing has to be cleared, numbers go on from cavity to cavity.
 
 use super::cavity::zeroed;
+use crate::{memory, Error};
 
 /// The first number of a cavity is a multiple of this: the lowest bits of the first so many count from 0.
 pub(super) const ALIGNMENT: u32 = 256;
@@ -74,7 +75,13 @@ impl Labels {
         self.of.first().is_some_and(|&label| label >= self.first)
     }
 
-    /// Memory for that many vertices, or `false` where there is none.
+    /// Makes room for more vertices, so that the next search asks for no memory. The numbers that were given stay.
+    pub fn reserve_room(&mut self, vertices: usize) -> Result<(), Error> {
+        let more = (vertices + 1).next_power_of_two().saturating_sub(self.of.len());
+        memory::reserve(&mut self.of, more, "labels")
+    }
+
+    /// Memory for that many vertices, or `false` where there is none. The numbers that were given are gone then.
     pub fn reserve(&mut self, vertices: usize) -> bool {
         self.of.len() > vertices || zeroed(vertices + 1).map(|of| *self = Labels { of, ..Labels::default() }).is_some()
     }

@@ -52,8 +52,17 @@ impl Lower {
         if independent {
             self.basis.push(v);
         }
-        let basis = <[u32; 4]>::try_from(&self.basis[..]).ok()?;
+        <[u32; 4]>::try_from(&self.basis[..]).ok()
+    }
+
+    /// The volume has been triangulated.
+    pub fn forget_points(&mut self) {
         self.by_point = FxHashMap::default();
-        Some(basis)
+    }
+
+    /// It could not be: takes the last vertex that was [added](Self::add) back out.
+    pub fn take_back(&mut self, p: DVec3) {
+        self.basis.pop();
+        self.by_point.remove(&key(p));
     }
 }

@@ -46,6 +46,7 @@ mod vertices;
 use glam::DVec3;
 
 use crate::geometry::Filter;
+use crate::{memory, Control, Error};
 use cavity::Cavity;
 use lower::Lower;
 use topology::{Topology, GHOST, NONE};
@@ -83,7 +84,41 @@ impl Default for Threads {
     }
 }
 
+/// See [`Triangulation::least_edge`].
+pub(crate) fn least_edge(low: DVec3, high: DVec3) -> f64 {
+    let power = |exponent: u64| f64::from_bits((1023 - exponent) << 52);
+    ((high - low).length() * power(40)).max(low.abs().max(high.abs()).max_element() * power(46))
+}
+
 impl Triangulation {
+    /// A copy, unless memory is lacking; [`Error::Cancelled`] when the control says stop. Scratch memory is not copied.
+    pub fn try_clone(&self, control: &Control) -> Result<Triangulation, Error> {
+        Ok(Triangulation {
+            points: memory::copied(&self.points, "points", control)?,
+            gaps: self.gaps.clone(),
+            topology: self.topology.try_clone(control)?,
+            filter: self.filter.clone(),
+            lower: self.lower.clone(),
+            last: self.last,
+            scratch: Cavity::default(),
+            hole: remove::Scratch::default(),
+            threads: self.threads,
+        })
+    }
+
+    /// Forgets all points and keeps their memory for the next ones.
+    fn clear(&mut self) {
+        let Triangulation { points, gaps, topology, filter, lower, last, .. } = self;
+        points.clear();
+        topology.clear();
+        (*gaps, *filter, *lower, *last) = Default::default();
+    }
+
+    /// The bytes of its large arrays, with those that they will take besides when they next grow, if that is near.
+    pub(crate) fn bytes(&self) -> usize {
+        memory::bytes(&self.points) + self.topology.bytes() + self.scratch.bytes()
+    }
+
     /// A triangulation without points.
     pub fn new() -> Self {
         Self::default()
@@ -140,6 +175,13 @@ impl Triangulation {
     /// The corners of a box of all points, inverted when there is none. Removals don't shrink it; [`compact`](Self::compact) does.
     pub fn bounding_box(&self) -> (DVec3, DVec3) {
         self.filter.bounding_box()
+    }
+
+    /// The least length of an edge that a refinement makes where its caller names none: 2⁻⁴⁰ of the bounding box's diagonal, and not less than 2⁻⁴⁶ of
+    /// the largest coordinate, of which a facet's points can be off its plane by rounding alone.
+    pub(crate) fn least_edge(&self) -> f64 {
+        let (low, high) = self.bounding_box();
+        least_edge(low, high)
     }
 
     /// The vertices around an edge in order, and whether they form a ring; at the hull they form an open chain from one hull

@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::partition::{depth, sample, Division, Planes};
 use super::threads::share_out;
+use crate::{memory, Control, Error};
 
 /// Bits an axis of the Hilbert key.
 const BITS: u32 = 18;
@@ -59,13 +60,18 @@ impl Round {
 
 /// The positions of `points` in the order to insert them.
 pub fn spatial_order(points: &[DVec3]) -> Vec<u32> {
-    let SpatialOrder { order, rounds, .. } = SpatialOrder::new(points, 1);
-    rounds.iter().flat_map(Round::vertices).map(|i| order[i as usize]).collect()
+    try_spatial_order(points, &Control::new()).unwrap_or_else(|_| (0..points.len() as u32).collect())
+}
+
+/// [`spatial_order`], unless memory is lacking or the control says stop.
+pub fn try_spatial_order(points: &[DVec3], control: &Control) -> Result<Vec<u32>, Error> {
+    let SpatialOrder { order, rounds, .. } = SpatialOrder::new(points, 1, control)?;
+    Ok(rounds.iter().flat_map(Round::vertices).map(|i| order[i as usize]).collect())
 }
 
 impl SpatialOrder {
-    /// The order to insert `points` in; the threads only make it faster.
-    pub fn new(points: &[DVec3], threads: usize) -> SpatialOrder {
+    /// The order to insert `points` in; the threads only make it faster. [`Error::Cancelled`] when the control says stop.
+    pub fn new(points: &[DVec3], threads: usize, control: &Control) -> Result<SpatialOrder, Error> {
         let (low, high) =
             points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
         let limits = round_limits(points.len());
@@ -89,7 +95,7 @@ impl SpatialOrder {
         };
         let curves: Vec<(DVec3, f64)> = last.boxes(low, high).into_iter().map(curve).collect();
 
-        let mut keys = vec![(0u64, 0u32); points.len()];
+        let mut keys = memory::zeroed::<(u64, u32)>(points.len(), "keys")?;
         let curve_bits = (points.len() / BUCKET).next_power_of_two().trailing_zeros();
         let bits = last.depth() + curve_bits.min(MAX_CURVE_BITS).min(MAX_BUCKET_BITS - last.depth());
         let buckets = 1 << bits;
@@ -101,6 +107,9 @@ impl SpatialOrder {
         let parts =
             keys.chunks_mut(part_size).zip(points.chunks(part_size)).zip(counts.chunks_mut(buckets)).enumerate();
         share_out(threads, parts, |(part, ((keys, points), counts))| {
+            if !control.poll() {
+                return;
+            }
             for ((key, &point), i) in keys.iter_mut().zip(points).zip(part * part_size..) {
                 let chance = (splitmix(i as u64) >> 11) as f64 / (1u64 << 53) as f64;
                 let round: usize = limits.iter().map(|&limit| usize::from(chance >= limit)).sum();
@@ -116,8 +125,10 @@ impl SpatialOrder {
             }
         });
 
+        control.check()?;
+
         // Each part has its own room in each bucket.
-        let mut sorted = vec![(0u64, 0u32); points.len()];
+        let mut sorted = memory::zeroed::<(u64, u32)>(points.len(), "keys")?;
         let mut rooms: Vec<Vec<&mut [(u64, u32)]>> =
             counts.chunks(buckets).map(|_| Vec::with_capacity(buckets)).collect();
         let mut rest = &mut sorted[..];
@@ -134,6 +145,9 @@ impl SpatialOrder {
             *bucket_end = end;
         }
         share_out(threads, keys.chunks(part_size).zip(rooms), |(keys, mut rooms)| {
+            if !control.poll() {
+                return;
+            }
             for &key in keys {
                 let room = &mut rooms[bucket(key.0)];
                 if let Some((first, rest)) = std::mem::take(room).split_first_mut() {
@@ -143,22 +157,31 @@ impl SpatialOrder {
             }
         });
         drop(keys);
+        control.check()?;
 
-        let mut order = vec![0; points.len()];
+        let mut order = memory::zeroed::<u32>(points.len(), "order")?;
         let parts = Buckets { sorted: &mut sorted, order: &mut order, ends: &ends, done: 0 };
         share_out(threads, parts, |(sorted, order)| {
+            if !control.poll() {
+                return;
+            }
             sorted.sort_unstable();
             order.iter_mut().zip(sorted).for_each(|(i, key)| *i = key.1);
         });
+        control.check()?;
         let mut rounds: Vec<Round> =
             divisions.iter().map(|division| Round { depth: division.depth(), ..Round::default() }).collect();
+        // Most are the last round's.
+        if let Some(last) = rounds.last_mut() {
+            memory::reserve(&mut last.rest, points.len(), "order")?;
+        }
         for (i, &(key, _)) in sorted.iter().enumerate() {
             let round = &mut rounds[(key >> 1 & ((1 << ROUND_BITS) - 1)) as usize];
             if key & 1 == 1 { &mut round.zone } else { &mut round.rest }.push(i as u32);
         }
         let end = |territory: u64| sorted.partition_point(|&(key, _)| key >> (KEY_BITS + REST_BITS) <= territory);
         let ends = (0..1 << last.depth()).map(end).collect();
-        SpatialOrder { order, rounds, ends }
+        Ok(SpatialOrder { order, rounds, ends })
     }
 }
 
@@ -316,7 +339,7 @@ mod tests {
         assert_eq!(limits.len(), 2);
         assert!((limits[0] * 7.5 - limits[1]).abs() < 1e-15);
         assert!(spatial_order(&[]).is_empty());
-        let SpatialOrder { order, rounds, .. } = SpatialOrder::new(&points, 1);
+        let SpatialOrder { order, rounds, .. } = SpatialOrder::new(&points, 1, &Control::new()).unwrap();
         assert_eq!(rounds.len(), 3);
         assert!(rounds.iter().all(|round| round.zone.is_empty() && round.rest.is_sorted()));
         assert!(rounds.windows(2).all(|pair| pair[0].rest.len() < pair[1].rest.len()));
@@ -326,7 +349,7 @@ mod tests {
         let many: Vec<DVec3> = (0..100_000u64)
             .map(|i| DVec3::new((splitmix(i) % 1000) as f64, (splitmix(i + 7) % 99) as f64, i as f64))
             .collect();
-        let [one, three] = [1, 3].map(|threads| SpatialOrder::new(&many, threads));
+        let [one, three] = [1, 3].map(|threads| SpatialOrder::new(&many, threads, &Control::new()).unwrap());
         assert_eq!((&one.order, &one.rounds, &one.ends), (&three.order, &three.rounds, &three.ends));
         // Divided into two, which are stored one behind the other, each along the curve.
         let last = &one.rounds[2];

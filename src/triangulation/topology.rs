@@ -9,6 +9,7 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::threads::share_out;
+use crate::{memory, Control, Error};
 
 /// The vertex at infinity.
 pub const GHOST: u32 = u32::MAX;
@@ -128,6 +129,53 @@ impl Topology {
     /// Whether `count` more tetrahedra can be named.
     pub fn has_room(&self, count: usize) -> bool {
         self.tets.len() + count <= self.free.len() + MAX_TETRAHEDRA
+    }
+
+    /// Memory for `count` more tetrahedra and a vertex.
+    #[inline]
+    pub fn reserve(&mut self, count: usize) -> Result<(), Error> {
+        let room = |capacity: usize, len: usize| capacity - len + self.free.len() >= count;
+        let regions = self.region.is_empty() || room(self.region.capacity(), self.region.len());
+        if room(self.tets.capacity(), self.tets.len()) && regions && self.vertex_tet.len() < self.vertex_tet.capacity()
+        {
+            return Ok(());
+        }
+        self.grow(count)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self, count: usize) -> Result<(), Error> {
+        memory::reserve(&mut self.tets, count, "tetrahedra")?;
+        if !self.region.is_empty() {
+            memory::reserve(&mut self.region, count, "regions")?;
+        }
+        memory::reserve(&mut self.vertex_tet, 1, "vertices")
+    }
+
+    /// A copy, unless memory is lacking or the control says stop.
+    pub(super) fn try_clone(&self, control: &Control) -> Result<Topology, Error> {
+        Ok(Topology {
+            tets: memory::copied(&self.tets, "tetrahedra", control)?,
+            vertex_tet: memory::copied(&self.vertex_tet, "vertices", control)?,
+            region: memory::copied(&self.region, "regions", control)?,
+            free: memory::copied(&self.free, "tetrahedra", control)?,
+            ghosts: self.ghosts,
+        })
+    }
+
+    /// Forgets everything but keeps the memory.
+    pub(super) fn clear(&mut self) {
+        self.clear_tetrahedra();
+        self.vertex_tet.clear();
+    }
+
+    /// Bytes taken, and to be taken soon.
+    pub(super) fn bytes(&self) -> usize {
+        memory::bytes(&self.tets)
+            + memory::bytes(&self.vertex_tet)
+            + memory::bytes(&self.region)
+            + memory::bytes(&self.free)
     }
 
     /// A tetrahedron with these vertices and no neighbours yet.
@@ -272,11 +320,45 @@ impl Topology {
 
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices.
     pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize) {
+        let finished = self.renumber_with(Vec::with_capacity(new_id.len()), new_id, count, threads, &Control::new());
+        debug_assert!(finished);
+    }
+
+    /// [`renumber`](Self::renumber), unless memory is lacking or the control says stop: then half of it may be done.
+    pub fn try_renumber(
+        &mut self,
+        new_id: &[u32],
+        count: usize,
+        threads: usize,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let incident = memory::with_room(new_id.len(), "vertices")?;
+        let more = count.saturating_sub(self.vertex_tet.len());
+        memory::reserve(&mut self.vertex_tet, more, "vertices")?;
+        if self.renumber_with(incident, new_id, count, threads, control) {
+            Ok(())
+        } else {
+            Err(Error::Cancelled)
+        }
+    }
+
+    /// Renumbers with this memory; `false` when cancelled.
+    fn renumber_with(
+        &mut self,
+        mut incident: Vec<AtomicU32>,
+        new_id: &[u32],
+        count: usize,
+        threads: usize,
+        control: &Control,
+    ) -> bool {
         const PART: usize = 1 << 16;
         // First by old ids, which are neighbours in memory where the vertices are in space. The first of a vertex's tetrahedra counts, whoever
         // comes first, and most of the others need but a look.
-        let incident: Vec<AtomicU32> = (0..new_id.len()).map(|_| AtomicU32::new(NONE)).collect();
+        incident.extend((0..new_id.len()).map(|_| AtomicU32::new(NONE)));
         share_out(threads, self.tets.chunks_mut(PART).enumerate(), |(part, tets)| {
+            if !control.poll() {
+                return;
+            }
             for (tet, t) in tets.iter_mut().zip((part * PART) as u32..) {
                 if !tet.is_live() {
                     continue;
@@ -292,6 +374,9 @@ impl Topology {
                 }
             }
         });
+        if !control.poll() {
+            return false;
+        }
         self.vertex_tet.clear();
         self.vertex_tet.resize(count, NONE);
         for (t, &v) in incident.into_iter().zip(new_id) {
@@ -300,6 +385,7 @@ impl Topology {
                 self.vertex_tet[v as usize] = t;
             }
         }
+        true
     }
 
     /// Closes the gaps among the tetrahedra and gives their memory back; vertices are renumbered as by [`renumber`](Self::renumber). Returns

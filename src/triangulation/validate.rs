@@ -5,6 +5,10 @@ use std::fmt;
 use super::topology::{slot_of, tet_of, GHOST, NONE};
 use super::Triangulation;
 use crate::geometry::Sign;
+use crate::Control;
+
+/// Tetrahedra between two looks at the control.
+const BLOCK: usize = 1 << 10;
 
 /// A broken invariant. Meeting one means an error in this library, not in its input.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,22 +63,32 @@ impl Triangulation {
     /// Checks the invariants up to a level: 1 the topology, 2 also orientation, 3 also the Delaunay property (local, exact, perturbation
     /// included; local everywhere is global). Level 0 checks nothing. Linear time.
     pub fn validate(&self, level: u32) -> Result<(), Defect> {
-        if level >= 1 {
-            self.validate_topology()?;
-        }
-        if level >= 2 {
-            self.validate_orientation()?;
-        }
-        if level >= 3 {
-            self.validate_delaunay()?;
-        }
-        Ok(())
+        self.validate_within(level, &Control::new()).map(|_| ())
     }
 
-    fn validate_topology(&self) -> Result<(), Defect> {
+    /// [`validate`](Self::validate) that a control can follow and cancel: `Ok(false)` then.
+    pub fn validate_within(&self, level: u32, control: &Control) -> Result<bool, Defect> {
+        let levels = f64::from(level.clamp(1, 3));
+        let look = |done: u32, t: u32| {
+            let share = f64::from(t) / self.topology.tets.len() as f64;
+            t as usize % BLOCK != 0
+                || control.report("validate", (f64::from(done) + share) / levels, self.vertex_count())
+        };
+        Ok((level < 1 || self.validate_topology(|t| look(0, t))?)
+            && (level < 2 || self.validate_orientation(|t| look(1, t))?)
+            && (level < 3 || self.validate_delaunay(|t| look(2, t))?))
+    }
+
+    fn validate_topology(&self, go_on: impl Fn(u32) -> bool) -> Result<bool, Defect> {
         let topology = &self.topology;
         let mut edges = 0i64;
-        for t in topology.live() {
+        for t in 0..topology.tets.len() as u32 {
+            if !go_on(t) {
+                return Ok(false);
+            }
+            if !topology.tet(t).is_live() {
+                continue;
+            }
             let tet = topology.tet(t);
             for slot in 0..4 {
                 let defect = Defect::Adjacency { tetrahedron: tet.v, slot };
@@ -112,21 +126,33 @@ impl Triangulation {
                 return Err(Defect::Euler { characteristic });
             }
         }
-        Ok(())
+        Ok(true)
     }
 
-    fn validate_orientation(&self) -> Result<(), Defect> {
-        for t in self.topology.finite() {
+    fn validate_orientation(&self, go_on: impl Fn(u32) -> bool) -> Result<bool, Defect> {
+        for t in 0..self.topology.tets.len() as u32 {
+            if !go_on(t) {
+                return Ok(false);
+            }
+            if !self.topology.tet(t).is_live() || self.topology.tet(t).is_ghost() {
+                continue;
+            }
             let [a, b, c, d] = self.corners(t);
             if self.filter.orient3d(a, b, c, d) != Sign::Positive {
                 return Err(Defect::Orientation { tetrahedron: self.topology.tet(t).v });
             }
         }
-        Ok(())
+        Ok(true)
     }
 
-    fn validate_delaunay(&self) -> Result<(), Defect> {
-        for t in self.topology.live() {
+    fn validate_delaunay(&self, go_on: impl Fn(u32) -> bool) -> Result<bool, Defect> {
+        for t in 0..self.topology.tets.len() as u32 {
+            if !go_on(t) {
+                return Ok(false);
+            }
+            if !self.topology.tet(t).is_live() {
+                continue;
+            }
             let tet = self.topology.tet(t);
             for face in tet.n {
                 let vertex = self.topology.tet(tet_of(face)).v[slot_of(face)];
@@ -135,6 +161,6 @@ impl Triangulation {
                 }
             }
         }
-        Ok(())
+        Ok(true)
     }
 }

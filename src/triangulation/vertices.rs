@@ -6,9 +6,10 @@
 
 use glam::DVec3;
 
-use super::topology::NONE;
+use super::topology::{Tetrahedron, NONE};
 use super::Triangulation;
 use crate::geometry::Filter;
+use crate::{memory, Error};
 
 /// The ids of removed vertices.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +55,16 @@ impl Triangulation {
     /// The id that a single new vertex will have: the one freed last, or else a new one.
     pub(crate) fn next_vertex(&self) -> u32 {
         self.gaps.free.last().copied().unwrap_or(self.points.len() as u32)
+    }
+
+    /// Memory for one more vertex.
+    #[inline]
+    pub(super) fn reserve_vertex(&mut self) -> Result<(), Error> {
+        if self.points.len() < self.points.capacity() {
+            return Ok(());
+        }
+        memory::reserve(&mut self.points, 1, "points")?;
+        memory::reserve(&mut self.topology.vertex_tet, 1, "vertices")
     }
 
     /// Stores a point at [`next_vertex`](Self::next_vertex), or behind all others. No tetrahedron knows of it yet.
@@ -113,6 +124,15 @@ impl Triangulation {
     /// Cost: linear.
     pub fn compact(&mut self) -> Vec<u32> {
         self.compact_from(0)
+    }
+
+    /// Whether there is memory to [`compact_from`](Self::compact_from), which would end the process without.
+    pub(crate) fn reserve_compact(&self) -> Result<(), Error> {
+        // Two numbers a vertex and one a tetrahedron, and the shrunken lists.
+        let (vertices, tets) = (self.points.len(), self.topology.tets.len());
+        drop(memory::with_room::<[u32; 2]>(vertices + tets, "ids")?);
+        drop(memory::with_room::<Tetrahedron>(tets, "tetrahedra")?);
+        Ok(())
     }
 
     /// [`compact`](Self::compact) that leaves the ids below `first`, and the gaps among them, as they are.

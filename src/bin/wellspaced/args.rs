@@ -88,6 +88,12 @@ pub struct Refine {
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
+    /// Stop refining after this many seconds
+    #[arg(long, value_name = "S")]
+    pub max_seconds: Option<f64>,
+    /// Stop refining before the mesh takes more memory than this many MiB
+    #[arg(long, value_name = "MIB")]
+    pub max_memory: Option<usize>,
 }
 
 /// Arguments of `delaunay`.

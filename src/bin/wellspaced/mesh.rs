@@ -27,6 +27,13 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     if let Some(limit) = arguments.max_vertices {
         options.max_vertices = limit;
     }
+    if let Some(limit) = arguments.max_seconds {
+        // On a command line 0 is no time, not all the time.
+        options.max_seconds = if limit == 0.0 { f64::MIN_POSITIVE } else { limit };
+    }
+    if let Some(limit) = arguments.max_memory {
+        options.max_memory = limit.saturating_mul(1 << 20).max(1);
+    }
     options.check().map_err(Failure::usage)?;
     let files = &arguments.files;
     let mut seconds = Seconds::default();

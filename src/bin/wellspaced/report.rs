@@ -51,6 +51,8 @@ pub fn status_name(status: RefineStatus) -> &'static str {
         RefineStatus::Done => "done",
         RefineStatus::Cancelled => "cancelled",
         RefineStatus::VertexLimit => "vertex_limit",
+        RefineStatus::TimeLimit => "time_limit",
+        RefineStatus::MemoryLimit => "memory_limit",
         RefineStatus::Unrefined => "unrefined",
         _ => "unknown",
     }

@@ -175,6 +175,23 @@ fn a_vertex_limit_ends_the_refinement() {
 }
 
 #[test]
+fn seconds_and_memory_end_the_refinement() {
+    let folder = folder("seconds_and_memory_end_the_refinement");
+    write_dataset(&folder, "cube1");
+    for (limit, status) in [("--max-seconds=0", "time_limit"), ("--max-memory=0", "memory_limit")] {
+        let result = json(&folder, &["refine", "cube1.poly", "--radius-edge", "1.5", limit]);
+        assert_eq!(result["status"], status);
+        assert!(result["bad"].as_u64().unwrap() > 0, "{result}");
+    }
+    let result =
+        json(&folder, &["refine", "cube1.poly", "-b", "1.5", "--max-seconds", "1e9", "--max-memory", "100000"]);
+    assert_eq!(result["status"], "done");
+    let (status, text) = failure(&folder, &["refine", "cube1.poly", "-b", "1.5", "--max-seconds=-1"]);
+    assert_eq!(status, 2);
+    assert!(text.contains("max_seconds"), "{text}");
+}
+
+#[test]
 fn wrong_input_is_one_line_and_status_1() {
     let folder = folder("wrong_input_is_one_line_and_status_1");
     for (name, content, message) in [

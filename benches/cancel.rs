@@ -1,0 +1,147 @@
+//! How long calls go on after they have been cancelled from another thread: `cargo bench --bench cancel -- [POINTS...]`. For each call the longest of some
+//! moments, spread over its time, by the clock and in processor time of the whole process: the latter is what counts on a machine that does other things
+//! meanwhile.
+
+use std::time::{Duration, Instant};
+
+use wellspaced::{Control, DVec3, Mesh, Plc, RefineOptions};
+
+fn scattered(count: usize) -> Vec<DVec3> {
+    let mut state = 7u64;
+    let mut next = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..count).map(|_| DVec3::new(next(), next(), next())).collect()
+}
+
+/// The process's processor time.
+fn processor() -> Duration {
+    #[repr(C)]
+    struct Timespec {
+        seconds: i64,
+        nanoseconds: i64,
+    }
+    extern "C" {
+        fn clock_gettime(clock: i32, time: *mut Timespec) -> i32;
+    }
+    const CLOCK_PROCESS_CPUTIME_ID: i32 = 2;
+    let mut time = Timespec { seconds: 0, nanoseconds: 0 };
+    // SAFETY: a struct that the call fills.
+    unsafe { clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &mut time) };
+    Duration::new(time.seconds as u64, time.nanoseconds as u32)
+}
+
+/// Cancels `call` after `wait`; how long it went on then, in processor time and by the clock, or `None` if it was done before.
+fn latency(wait: Duration, call: impl FnOnce(&Control)) -> Option<(Duration, Duration)> {
+    let control = Control::new();
+    let remote = control.clone();
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let canceller = std::thread::spawn(move || {
+        std::thread::sleep(wait);
+        let at = (processor(), Instant::now());
+        remote.cancel();
+        let _ = sender.send(at);
+    });
+    call(&control);
+    let end = (processor(), Instant::now());
+    let cancelled = receiver.try_recv().ok();
+    canceller.join().unwrap();
+    cancelled.map(|at| (end.0.saturating_sub(at.0), end.1.saturating_duration_since(at.1)))
+}
+
+/// Measures at `moments` moments of a call that takes `whole`.
+fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control)) {
+    let mut subject = fresh();
+    let start = Instant::now();
+    call(&mut subject, &Control::new());
+    let whole = start.elapsed();
+    drop(subject);
+    let (mut worst, mut clock) = ((Duration::ZERO, Duration::ZERO), Duration::ZERO);
+    let mut all = Vec::new();
+    for moment in 0..moments {
+        let wait = whole * (2 * moment + 1) / (2 * moments);
+        let mut subject = fresh();
+        if let Some((late, by_clock)) = latency(wait, |control| call(&mut subject, control)) {
+            worst = worst.max((late, wait));
+            clock = clock.max(by_clock);
+            all.push(late);
+        }
+    }
+    all.sort();
+    let median = all.get(all.len() / 2).copied().unwrap_or_default();
+    let moments = all.len();
+    println!(
+        "{name:<44} {whole:>8.1?} in all, {moments:>2} moments: median {median:>8.1?}, longest {:>8.1?} at {:.1?}; clock {clock:.1?}",
+        worst.0, worst.1
+    );
+}
+
+fn main() {
+    let counts: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let counts = if counts.is_empty() { vec![1_000_000, 3_000_000] } else { counts };
+    for count in counts {
+        let points = scattered(count);
+        for threads in [1, 2] {
+            let fresh = || {
+                let mut mesh = Mesh::new();
+                mesh.set_threads(threads);
+                mesh
+            };
+            measure(&format!("insert {count}, {threads} threads"), 12, fresh, |mesh, control| {
+                mesh.insert(&points, None, control).unwrap();
+            });
+        }
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        measure(
+            &format!("validate {count}"),
+            6,
+            || (),
+            |(), control| {
+                mesh.validate_within(3, control).unwrap();
+            },
+        );
+        measure(
+            &format!("view {count}"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                let _ = mesh.try_view(control);
+            },
+        );
+        measure(
+            &format!("clone {count}"),
+            6,
+            || (),
+            |(), control| {
+                let _ = mesh.try_clone(control);
+            },
+        );
+        let more = scattered(10_000);
+        measure(
+            &format!("insert 10000 more into {count}"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                mesh.insert(&more, None, control).unwrap();
+            },
+        );
+        let limits = RefineOptions { max_vertices: count + count / 20, ..RefineOptions::default() };
+        measure(
+            &format!("refine {count}, begun"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                mesh.refine(&limits, control).unwrap();
+            },
+        );
+    }
+    let on_ellipsoid = |p: DVec3| (p * 2.0 - 1.0).normalize() * DVec3::new(0.8, 0.5, 0.35);
+    let plc = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(1.0), scattered(10_000).into_iter().map(on_ellipsoid));
+    let fresh = || Mesh::from_plc(&plc, &Control::new()).unwrap();
+    let options = RefineOptions { radius_edge: 1.1, max_vertices: 150_000, ..RefineOptions::default() };
+    measure("refine an ellipsoid, bound 1.1", 12, fresh, |mesh, control| {
+        mesh.refine(&options, control).unwrap();
+    });
+}

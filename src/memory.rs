@@ -1,0 +1,53 @@
+//! Memory for what grows with the mesh: where there is none, that is an error of the call and not the end of the process. Lists that stay
+//! small are left to the language, which has no answer to that.
+
+use crate::{Control, Error};
+
+/// Elements copied between two looks at the control.
+const BLOCK: usize = 1 << 16;
+
+fn none_for<E>(what: &'static str) -> impl FnOnce(E) -> Error {
+    move |_| Error::OutOfMemory { what }
+}
+
+/// Room for so many more elements.
+pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> Result<(), Error> {
+    list.try_reserve(more).map_err(none_for(what))
+}
+
+/// An empty list with room for so many elements.
+pub(crate) fn with_room<T>(count: usize, what: &'static str) -> Result<Vec<T>, Error> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(count).map_err(none_for(what))?;
+    Ok(list)
+}
+
+/// A list of so many zeros.
+pub(crate) fn zeroed<T: Copy + Default>(count: usize, what: &'static str) -> Result<Vec<T>, Error> {
+    let mut list = with_room(count, what)?;
+    list.resize(count, T::default());
+    Ok(list)
+}
+
+/// A copy of a list; [`Error::Cancelled`] when the control says so before it is whole.
+pub(crate) fn copied<T: Copy>(from: &[T], what: &'static str, control: &Control) -> Result<Vec<T>, Error> {
+    let mut list = with_room(from.len(), what)?;
+    for block in from.chunks(BLOCK) {
+        control.check()?;
+        list.extend_from_slice(block);
+    }
+    Ok(list)
+}
+
+/// The bytes that a list has taken, and those that it will take besides while it next grows, if that is near.
+pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
+    /// Elements that one step of a refinement may add.
+    const STEP: usize = 4096;
+    let now = list.capacity() * size_of::<T>();
+    // It grows to twice the size, and both are there while it is copied.
+    if list.len() + STEP > list.capacity() {
+        now.max(STEP * size_of::<T>()) * 3
+    } else {
+        now
+    }
+}
