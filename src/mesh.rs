@@ -21,6 +21,10 @@ use crate::{memory, Control, Error, LogLevel, RefineOptions, RefineReport, Refin
 /// Why tetrahedra were left as they are, by their vertices.
 type Reasons = FxHashMap<[u32; 4], Unrefined>;
 
+/// Recovery may make so many vertices in any case, and so many more for each vertex and element.
+const RECOVERY_ROOM: usize = 100_000;
+const RECOVERY_FACTOR: usize = 100;
+
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -161,7 +165,11 @@ impl Mesh {
             boundary.enqueue_all(&self.t);
             boundary.pending_segments.clear();
             boundary.pending_facets.clear();
-            status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
+            // Angles near 0 may ask for splits without end, almost: then the element that is still missing is named.
+            let elements = self.t.vertex_count() + boundary.subsegments().len() + boundary.subfacets().len();
+            let max_vertices = RECOVERY_ROOM + RECOVERY_FACTOR.saturating_mul(elements);
+            let options = RefineOptions { max_vertices, ..RefineOptions::default() };
+            status = Refiner::new(&mut self.t, &mut boundary, &options).recover(control)?;
             boundary.find_room(&self.t);
             boundary.enqueue_all(&self.t);
             boundary.label(&mut self.t, holes, regions);
