@@ -12,7 +12,7 @@ use crate::refine::refiner::Refiner;
 use crate::sparsify::{Sparsifier, Sparsify};
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
-use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
+use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Rule, Triangulation};
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
@@ -146,9 +146,10 @@ impl Mesh {
     ) -> Result<RefineStatus, Error> {
         let mut status = RefineStatus::Done;
         if self.t.dimension() == 3 {
-            boundary.enqueue_all(&self.t);
+            boundary.be_tolerant(&self.t);
             status = Refiner::new(&mut self.t, &mut boundary, &RefineOptions::default()).recover(control)?;
             boundary.label(&mut self.t, holes, regions);
+            boundary.be_strict(&self.t);
         }
         self.forget_view();
         self.domain = Some(Domain { boundary });
@@ -239,7 +240,7 @@ impl Mesh {
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             let level = options.sparsify();
-            if level != Sparsify::Off {
+            if level != Sparsify::Off || options.rule == Rule::Sparse {
                 let first = self.input_slots as u32;
                 refiner.sparsifier = Some(Sparsifier::new(level, options.radius_edge, refiner.min_edge, first));
             }
@@ -272,7 +273,7 @@ impl Mesh {
     ) -> Result<RefineStatus, Error> {
         let (Some(mut sparsifier), Some(domain)) = (sparsifier, &mut self.domain) else { return result };
         let result = match result {
-            Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) => {
+            Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) if sparsifier.has_pass() => {
                 let finished = sparsifier.run(&mut self.t, &mut domain.boundary, control);
                 finished.map(|finished| if finished { status } else { RefineStatus::Cancelled })
             }

@@ -86,8 +86,10 @@ pub struct Boundary {
     /// Elements that can't be split any more.
     pub(crate) blocked_segments: FxHashSet<[u32; 2]>,
     pub(crate) blocked_facets: FxHashSet<[u32; 3]>,
-    /// Vertices have been taken away: some element may be encroached that nothing has queued.
+    /// Some element may be encroached that nothing has queued: vertices have been taken away, or it was left so.
     pub(crate) relaxed: bool,
+    /// Elements are not split for the vertices in their balls: see `clearance`.
+    pub(crate) tolerant: bool,
 }
 
 impl Boundary {
@@ -252,7 +254,7 @@ impl Boundary {
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
     fn vertex_encroaches_segment(&self, t: &Triangulation, edge: [u32; 2], v: u32) -> bool {
-        if v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
+        if self.tolerant || v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
             return false;
         }
         let Some(&segment) = self.subsegments.get(&edge_key(edge)) else { return false };
@@ -262,7 +264,7 @@ impl Boundary {
     /// Whether a vertex, or the ghost, encroaches upon a subfacet.
     fn vertex_encroaches_facet(&self, t: &Triangulation, face: [u32; 3], v: u32) -> bool {
         let corners = face.map(|v| t.at(v));
-        if v == GHOST || !encroaches_facet(corners, t.at(v)) {
+        if self.tolerant || v == GHOST || !encroaches_facet(corners, t.at(v)) {
             return false;
         }
         let Some(&facet) = self.subfacets.get(&face_key(face)) else { return false };

@@ -9,6 +9,7 @@
 //! | `split` | what a split changes in it |
 //! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
+//! | `clearance` | which elements have to give way to a sample of the sparse rule |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
@@ -18,6 +19,7 @@
 pub(crate) mod acute;
 pub mod boundary;
 mod build;
+pub(crate) mod clearance;
 pub mod facet;
 pub(crate) mod label;
 pub mod plc;

@@ -13,7 +13,7 @@ use crate::domain::boundary::{Boundary, Encroached};
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::four_exceed_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
-use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
+use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
 use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::Triangulation;
@@ -110,9 +110,20 @@ impl<'a> Refiner<'a> {
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
         self.boundary.unblock(self.t);
-        if std::mem::take(&mut self.boundary.relaxed) {
+        if self.rule == Rule::Sparse {
+            self.boundary.be_tolerant(self.t);
+        } else if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
+        let result = self.work(control);
+        if self.boundary.tolerant {
+            (self.boundary.tolerant, self.boundary.relaxed) = (false, true);
+        }
+        result
+    }
+
+    /// The loop of [`refine`](Self::refine).
+    fn work(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         watch(self.t, &mut self.queue, self.radius_edge, self.t.topology.finite());
         let mut turns = 0usize;
         loop {
@@ -122,8 +133,17 @@ impl<'a> Refiner<'a> {
             if self.boundary_step()? {
                 continue;
             }
-            let Some(t) = self.queue.pop(self.t) else { break };
-            self.mend(t)?;
+            if let Some(t) = self.queue.pop(self.t) {
+                self.mend(t)?;
+            } else if self.refused && self.boundary.tolerant {
+                // What is left may be within reach of the classical rules.
+                self.refused = false;
+                self.boundary.unblock(self.t);
+                self.boundary.be_strict(self.t);
+                watch(self.t, &mut self.queue, self.radius_edge, self.t.topology.finite());
+            } else {
+                break;
+            }
         }
         Ok(if self.refused { RefineStatus::Unrefined } else { RefineStatus::Done })
     }
@@ -220,7 +240,7 @@ impl<'a> Refiner<'a> {
             let t = &*self.t;
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
             let samples = if self.rule == Rule::Sparse && self.sparsifier.is_some() {
-                sample_wide_component(&self.facet, &mut self.arcs, self.radius_edge)
+                sample_first(&self.facet, &mut self.arcs, self.radius_edge)
             } else {
                 sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule)
             };
@@ -239,7 +259,14 @@ impl<'a> Refiner<'a> {
             self.cavity.clear();
             return Ok(Placed::Refused);
         }
-        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        let clearance = self.rim_distance(p);
+        if self.boundary.tolerant {
+            let cavity = &self.cavity;
+            let tets = cavity.tets.iter().copied();
+            self.boundary.in_the_way(self.t, (p, clearance), tets, |t| cavity.contains(t), &mut self.encroached);
+        } else {
+            self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        }
         if !self.encroached.is_empty() {
             self.cavity.clear();
             self.boundary.drop_blocked(&mut self.encroached);
@@ -254,7 +281,6 @@ impl<'a> Refiner<'a> {
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
-        let clearance = self.rim_distance(p);
         if leaves || clearance < self.min_edge {
             self.cavity.clear();
             return Ok(Placed::Refused);

@@ -19,7 +19,7 @@
 //! narrows the pieces only where a sample would come nearer than `1.1·|pq|`, for small β.
 
 use super::facet::{Arc, VoronoiFacet};
-use super::paper::sample_pieces;
+use super::paper::{sample_distance, sample_pieces, PULL};
 use super::Samples;
 
 /// The angle of the pieces aimed at, in radians.
@@ -53,9 +53,13 @@ pub fn wide_count(span: f64, radius_edge: f64) -> usize {
     (first..fine).find(|&count| distance2(span / count as f64) >= WIDE_DISTANCE * WIDE_DISTANCE).unwrap_or(fine)
 }
 
-/// The batch of [`wide_count`] samples for one arc.
-pub fn sample_wide_arc(facet: &VoronoiFacet, arc: Arc, radius_edge: f64) -> Samples {
-    sample_pieces(facet, arc, wide_count(arc.span, radius_edge), MIN_THETA, radius_edge)
+/// The sample of the first of [`wide_count`] pieces.
+pub fn sample_first(facet: &VoronoiFacet, arc: Arc, radius_edge: f64) -> Samples {
+    let theta = arc.span / wide_count(arc.span, radius_edge) as f64;
+    let angle = arc.start + 0.5 * theta;
+    let distance = sample_distance(theta.max(MIN_THETA), facet.length, radius_edge) * (1.0 - PULL);
+    let point = facet.point(angle, distance.min(facet.exit(angle)));
+    Samples { points: vec![point], span: arc.span, theta }
 }
 
 /// The batch for one arc.

@@ -2,7 +2,7 @@
 
 use super::search::Found;
 use super::{Demand, Sparsifier};
-use crate::domain::boundary::{edge_key, face_key};
+use crate::domain::boundary::{edge_key, face_key, Encroached};
 use crate::domain::label::OUTSIDE;
 use crate::domain::{Boundary, Carrier};
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
@@ -131,9 +131,19 @@ fn keeps_boundary(t: &Triangulation, boundary: &Boundary, hole: &Hole, named: im
     })
 }
 
-/// Whether a free point that comes encroaches upon nothing.
+/// Whether a free point that comes encroaches upon nothing, or nothing has to give way to it.
 fn is_clear(t: &Triangulation, boundary: &Boundary, hole: &Hole) -> bool {
     let Some(p) = hole.point() else { return true };
+    if boundary.tolerant {
+        let mut found = Encroached::default();
+        let rim = hole.coming.iter().filter(|coming| coming.v.contains(&ADDED)).flat_map(|coming| coming.v);
+        let distances = rim.filter(|&v| v != ADDED && v != GHOST).map(|v| t.at(v).distance_squared(p));
+        let clearance = distances.fold(f64::INFINITY, f64::min).sqrt();
+        let going = hole.going.iter().map(|going| going.t);
+        // That what is left of the boundary stays has been seen already.
+        boundary.in_the_way(t, (p, clearance), going, |_| false, &mut found);
+        return found.is_empty();
+    }
     let at = |v: u32| -> DVec3 { t.at(v) };
     hole.going.iter().all(|going| {
         let tet = t.topology.tet(going.t);

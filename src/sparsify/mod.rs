@@ -54,6 +54,8 @@ pub(crate) struct Effort {
     pub neighbours: usize,
     /// Obstacles of `v` alone that may be left when a neighbour goes with it.
     pub remaining: usize,
+    /// Obstacles of a sample alone that are worth a try.
+    pub alone: usize,
     /// Obstacles of a pair.
     pub obstacles: usize,
     /// A place is worth a search when no tetrahedron there has (R/βl)² above this.
@@ -62,34 +64,57 @@ pub(crate) struct Effort {
     pub places: usize,
     /// While refining, a neighbour that has another one nearer than this times the edge in hand stays where it is: it belongs to something finer.
     pub spacing: f64,
+    /// How far a partner may be, in β times the length of the edge being mended.
+    pub reach: f64,
     /// While refining, how often the vertex of one change may go into the next at once.
     pub cascade: usize,
     /// Whether the last pass begins with all Steiner points, not only with those on the boundary.
     pub all: bool,
+    /// Whether there is a last pass.
+    pub pass: bool,
 }
 
 impl Effort {
     fn of(level: Sparsify) -> Effort {
         match level {
-            Sparsify::Off | Sparsify::Quick => Effort {
+            Sparsify::Off => Effort {
+                neighbours: 1,
+                remaining: 0,
+                alone: 3,
+                obstacles: 7,
+                cap: 1.8,
+                places: 3,
+                spacing: 0.72,
+                reach: 1.2,
+                cascade: 0,
+                all: false,
+                pass: false,
+            },
+            Sparsify::Quick => Effort {
                 neighbours: 3,
                 remaining: 0,
+                alone: usize::MAX,
                 obstacles: 8,
                 cap: 2.5,
                 places: 10,
                 spacing: 0.72,
+                reach: 1.75,
                 cascade: 0,
                 all: false,
+                pass: true,
             },
             Sparsify::Thorough => Effort {
                 neighbours: 8,
                 remaining: 3,
+                alone: usize::MAX,
                 obstacles: 20,
                 cap: 5.0,
                 places: 32,
                 spacing: 0.0,
+                reach: 1.75,
                 cascade: 3,
                 all: true,
+                pass: true,
             },
         }
     }
@@ -130,6 +155,11 @@ impl Sparsifier {
     /// For Steiner points from id `first` on.
     pub fn new(level: Sparsify, radius_edge: f64, min_edge: f64, first: u32) -> Sparsifier {
         Sparsifier { effort: Effort::of(level), radius_edge, min_edge, first, ..Sparsifier::default() }
+    }
+
+    /// Whether a last pass follows the refinement.
+    pub fn has_pass(&self) -> bool {
+        self.effort.pass
     }
 
     /// Lets the last pass begin with all Steiner points.

@@ -1,0 +1,98 @@
+//! Rule 3 as the sparse rule has it: boundary elements are split only where it can't be helped.
+//!
+//! Ruppert's and Shewchuk's rules split an element as soon as any vertex lies in its smallest ball. Their proofs that refinement ends use less.
+//! They need that a vertex which a sample `p` calls for, on a segment or facet that `p` comes near to, is at least `r/√2` away from
+//! `p`, where `r` is the distance from `p` to the nearest vertex, its *clearance*; and that no sample leaves the domain. So with
+//! [`Rule::Sparse`](crate::refine::Rule::Sparse) an element gives way to a sample when
+//! - the sample encroaches upon it and is nearer to it than `r/√2`, or
+//! - the sample lies beyond it, or would take it out of the triangulation.
+//!
+//! Otherwise the sample is inserted. It is at least `r/√2` away from the whole element, so from every vertex that will ever split it: what the splits of an unencroached
+//! element promise to its apex holds for any point of this one. Elements that are edges and faces are not split for what is in their balls
+//! already, input vertices or vertices on other elements; a point of them that a later sample calls for keeps the distances above.
+//! The boundary conforms, and all tetrahedra keep the bound; balls of elements need not be empty. Where that leaves a tetrahedron unmended, which the classical rules might
+//! mend, the refinement goes on with those.
+
+use super::boundary::{edge_key, face_key, Boundary, Encroached, ON_FACET, ON_SEGMENT};
+use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::geometry::quality::EDGES;
+use crate::triangulation::topology::{tet_of, GHOST};
+use crate::triangulation::Triangulation;
+use crate::DVec3;
+
+/// How near a sample may come to an element that it encroaches upon, as a share of its clearance: squared.
+const SHARE2: f64 = 0.5;
+
+impl Boundary {
+    /// The elements at the tetrahedra `tets` that have to give way to a sample `p` whose clearance that is. `goes` says which tetrahedra the
+    /// sample would remove. `found` is filled, in a fixed order.
+    pub(crate) fn in_the_way(
+        &self,
+        t: &Triangulation,
+        (p, clearance): (DVec3, f64),
+        tets: impl Iterator<Item = u32>,
+        goes: impl Fn(u32) -> bool,
+        found: &mut Encroached,
+    ) {
+        found.clear();
+        let near2 = SHARE2 * clearance * clearance;
+        for id in tets {
+            let tet = t.topology.tet(id);
+            let kinds = tet.v.map(|v| if v == GHOST { 0 } else { self.kind(v) });
+            let count = |bit: u8| kinds.iter().filter(|&&kind| kind & bit != 0).count();
+            if count(ON_SEGMENT) >= 2 {
+                for [i, j] in EDGES {
+                    let edge = edge_key([tet.v[i], tet.v[j]]);
+                    if kinds[i] & kinds[j] & ON_SEGMENT == 0
+                        || !self.is_subsegment(edge)
+                        || found.segments.contains(&edge)
+                    {
+                        continue;
+                    }
+                    let [a, b] = edge.map(|v| t.at(v));
+                    let near = || {
+                        let distance2 = (p - a).cross(b - a).length_squared() / (b - a).length_squared();
+                        distance2 < near2 && encroaches_segment([a, b], p)
+                    };
+                    if near() || t.topology.around_edge(id, i, j).all(|(around, _, _)| goes(around)) {
+                        found.segments.push(edge);
+                    }
+                }
+            }
+            if count(ON_FACET) >= 3 {
+                for slot in 0..4 {
+                    let face = tet.face(slot);
+                    if !self.is_subfacet(face) || found.facets.contains(&face_key(face)) {
+                        continue;
+                    }
+                    let key = face_key(face);
+                    let corners = key.map(|v| t.at(v));
+                    let near = || {
+                        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                        let height = normal.dot(p - corners[0]);
+                        height * height < near2 * normal.length_squared() && encroaches_facet(corners, p)
+                    };
+                    if goes(id) && goes(tet_of(tet.n[slot])) || near() {
+                        found.facets.push(key);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Begins a refinement in which only elements that are missing, or [in the way](Self::in_the_way), are split.
+    pub(crate) fn be_tolerant(&mut self, t: &Triangulation) {
+        self.tolerant = true;
+        self.pending_segments.clear();
+        self.pending_facets.clear();
+        self.enqueue_all(t);
+    }
+
+    /// Goes back to the classical rules, and queues what they ask for.
+    pub(crate) fn be_strict(&mut self, t: &Triangulation) {
+        self.tolerant = false;
+        self.pending_segments.clear();
+        self.pending_facets.clear();
+        self.enqueue_all(t);
+    }
+}
