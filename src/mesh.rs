@@ -6,13 +6,15 @@ use glam::DVec3;
 
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
-use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::geometry::quality::{
+    exceeds_radius_edge, four_exceed_radius_edge, four_may_exceed, may_be_narrower, min_dihedral_degrees, radius_edge,
+};
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
 use crate::sparsify::{Sparsifier, Sparsify};
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
-use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Rule, Triangulation};
+use crate::{Control, Error, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
@@ -240,7 +242,7 @@ impl Mesh {
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             let level = options.sparsify();
-            if level != Sparsify::Off || options.rule == Rule::Sparse {
+            if level != Sparsify::Off {
                 let first = self.input_slots as u32;
                 refiner.sparsifier = Some(Sparsifier::new(level, options.radius_edge, refiner.min_edge, first));
             }
@@ -303,7 +305,7 @@ impl Mesh {
         }
         self.forget_view();
         let (mut taken, mut status) = ([0; 2], RefineStatus::Done);
-        if self.t.dimension() == 3 && level != Sparsify::Off {
+        if self.t.dimension() == 3 && level.has_pass() {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
             sparsifier.begin_with_all();
             status = self.thin_out(Some(sparsifier), Ok(RefineStatus::Done), control, &mut taken)?;
@@ -334,17 +336,39 @@ impl Mesh {
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
         };
-        for tet in self.inside() {
-            let corners = self.t.corners(tet);
-            report.tetrahedra += 1;
-            if exceeds_radius_edge(corners, bound) {
-                report.bad += 1;
-                report.bad_at_small_angles += usize::from(self.is_at_small_angle(tet));
+        // Four at a time; few of them can be the worst so far.
+        let mut inside = self.inside();
+        let mut cotangent = f64::NEG_INFINITY;
+        loop {
+            let (mut four, mut count) = ([0; 4], 0);
+            for (place, tet) in four.iter_mut().zip(&mut inside) {
+                *place = tet;
+                count += 1;
             }
-            report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
-            report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
+            if count == 0 {
+                return report;
+            }
+            let last = four[count - 1];
+            four[count..].fill(last);
+            report.tetrahedra += count;
+            let corners = four.map(|tet| self.t.corner_refs(tet));
+            let bad = four_exceed_radius_edge(&corners, bound).0;
+            let worse = four_may_exceed(&corners, report.worst_radius_edge);
+            for (i, &tet) in four.iter().enumerate().take(count) {
+                let corners = corners[i].map(|&p| p);
+                if bad >> i & 1 != 0 {
+                    report.bad += 1;
+                    report.bad_at_small_angles += usize::from(self.is_at_small_angle(tet));
+                }
+                if worse >> i & 1 != 0 {
+                    report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
+                }
+                if may_be_narrower(corners, cotangent) {
+                    report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
+                    cotangent = report.min_dihedral_degrees.to_radians().tan().recip();
+                }
+            }
         }
-        report
     }
 
     /// Whether a tetrahedron's shortest edge spans an acute input angle.

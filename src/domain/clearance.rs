@@ -21,7 +21,7 @@ use crate::triangulation::Triangulation;
 use crate::DVec3;
 
 /// How near a sample may come to an element that it encroaches upon, as a share of its clearance: squared.
-const SHARE2: f64 = 0.5;
+const SHARE2: f64 = 0.25;
 
 impl Boundary {
     /// The elements at the tetrahedra `tets` that have to give way to a sample `p` whose clearance that is. `goes` says which tetrahedra the
@@ -39,6 +39,9 @@ impl Boundary {
         for id in tets {
             let tet = t.topology.tet(id);
             let kinds = tet.v.map(|v| if v == GHOST { 0 } else { self.kind(v) });
+            if kinds == [0; 4] {
+                continue;
+            }
             let count = |bit: u8| kinds.iter().filter(|&&kind| kind & bit != 0).count();
             if count(ON_SEGMENT) >= 2 {
                 for [i, j] in EDGES {

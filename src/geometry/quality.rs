@@ -107,6 +107,12 @@ pub fn four_exceed_radius_edge(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, [f6
     (exceed & !unsure | decided, shortest)
 }
 
+/// Which of four tetrahedra may have a radius-edge ratio above `ratio`, a bit for each; all others have none.
+pub(crate) fn four_may_exceed(tets: &[[&DVec3; 4]; 4], ratio: f64) -> u32 {
+    let (exceed, unsure, _) = judge_four(tets, ratio);
+    exceed | unsure
+}
+
 #[inline]
 fn judge_four(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
     #[cfg(target_arch = "x86_64")]
@@ -220,6 +226,29 @@ pub fn min_dihedral_degrees([a, b, c, d]: [DVec3; 4]) -> f64 {
     1f64.atan2(greatest).to_degrees()
 }
 
+/// Whether a dihedral angle of the tetrahedron may be smaller than the angle with this cotangent. Says no only where
+/// [`min_dihedral_degrees`] is sure to be as large.
+#[inline]
+pub(crate) fn may_be_narrower([a, b, c, d]: [DVec3; 4], cotangent: f64) -> bool {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (nb, nc, nd) = (w.cross(v), u.cross(w), v.cross(u));
+    let na = -(nb + nc + nd);
+    let volume6 = u.dot(nb);
+    let limit = volume6 * volume6 * cotangent * cotangent * (1.0 - 1e-9);
+    let wide = |n: DVec3, m: DVec3, edge: DVec3| {
+        let dot = n.dot(m);
+        dot >= 0.0 || dot * dot <= limit * edge.length_squared()
+    };
+    // Negated, so that what is no number is looked at.
+    !(cotangent > 0.0
+        && wide(nc, nd, u)
+        && wide(nb, nd, v)
+        && wide(nb, nc, w)
+        && wide(na, nd, c - b)
+        && wide(na, nc, d - b)
+        && wide(na, nb, d - c))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,6 +263,29 @@ mod tests {
         assert!((radius_edge(t) - (3f64 / 8.0).sqrt()).abs() < 1e-15);
         assert!((min_dihedral_degrees(t) - (1f64 / 3.0).acos().to_degrees()).abs() < 1e-12);
         assert!(!exceeds_radius_edge(t, 1.0));
+    }
+
+    #[test]
+    fn extremes_are_found_without_looking_at_all() {
+        let mut state = 11u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let tets: Vec<[DVec3; 4]> =
+            (0..2000).map(|_| std::array::from_fn(|_| DVec3::new(next(), next(), next()))).collect();
+        let (mut narrowest, mut worst) = (180f64, 0f64);
+        for four in tets.chunks_exact(4) {
+            let may = four_may_exceed(&std::array::from_fn(|i| four[i].each_ref()), worst);
+            for (i, &tet) in four.iter().enumerate() {
+                let (angle, ratio) = (min_dihedral_degrees(tet), radius_edge(tet));
+                assert!(may >> i & 1 != 0 || ratio <= worst);
+                assert!(may_be_narrower(tet, narrowest.to_radians().tan().recip()) || angle >= narrowest);
+                narrowest = narrowest.min(angle);
+            }
+            worst = four.iter().map(|&tet| radius_edge(tet)).fold(worst, f64::max);
+        }
+        assert!(may_be_narrower([DVec3::ZERO; 4], 1.0) || min_dihedral_degrees([DVec3::ZERO; 4]) >= 45.0);
     }
 
     #[test]

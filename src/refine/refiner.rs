@@ -190,11 +190,12 @@ impl<'a> Refiner<'a> {
         let samples = self.sample(tet, [i, j]);
         let mut placed_any = false;
         self.edge = length2.sqrt();
+        let corners = self.t.corners(tet);
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
                 break;
             }
-            match self.place(p, tet)? {
+            match self.place(p, tet, corners.iter().map(|c| c.distance(p)).reduce(f64::min))? {
                 Placed::Inserted(_) | Placed::Spared => {
                     self.samples += 1;
                     placed_any = true;
@@ -251,15 +252,16 @@ impl<'a> Refiner<'a> {
         sample_circumcenter(self.t.corners(tet))
     }
 
-    /// Rule 3: inserts a sample unless it would encroach upon the boundary. `near` is a tetrahedron to look for it from.
-    pub fn place(&mut self, p: DVec3, near: u32) -> Result<Placed, Error> {
+    /// Rule 3: inserts a sample unless it would encroach upon the boundary. `near` is a tetrahedron to look for it from, `clearance` the distance
+    /// to the nearest vertex: where the sample lies in the Voronoi facet of an edge, that of its ends.
+    pub fn place(&mut self, p: DVec3, near: u32, clearance: Option<f64>) -> Result<Placed, Error> {
         let p = flush_tiny(p);
         let start = if self.t.topology.tet(near).is_live() { near } else { self.t.recent() };
         if crate::geometry::check_range(0, p).is_err() || self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
             return Ok(Placed::Refused);
         }
-        let clearance = self.rim_distance(p);
+        let clearance = clearance.unwrap_or_else(|| self.rim_distance(p));
         if self.boundary.tolerant {
             let cavity = &self.cavity;
             let tets = cavity.tets.iter().copied();

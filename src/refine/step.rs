@@ -201,7 +201,7 @@ impl Mesh {
         for point in &batch.points {
             let before = refiner.t.vertex_count();
             let vertex = match point.origin {
-                Origin::Sample => match refiner.place(point.position, refiner.t.recent())? {
+                Origin::Sample => match refiner.place(point.position, refiner.t.recent(), None)? {
                     Placed::Inserted(v) => Some(v),
                     Placed::Spared | Placed::Encroaches | Placed::Refused => None,
                 },

@@ -38,8 +38,11 @@ use forecast::{Demand, Forecast};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Sparsify {
-    /// Nothing is taken away again.
+    /// The sampler alone: Steiner points stay where they are put.
     Off,
+    /// Nothing is taken away from what stands. But instead of inserting a sample its nearest Steiner point is moved where one place serves both, if that is found
+    /// at next to no cost.
+    Moves,
     /// What is found at little cost: most of what can be had, in two to four times the time without.
     #[default]
     Quick,
@@ -74,16 +77,23 @@ pub(crate) struct Effort {
     pub pass: bool,
 }
 
+impl Sparsify {
+    /// Whether a pass over Steiner points that stand already belongs to it.
+    pub fn has_pass(self) -> bool {
+        !matches!(self, Sparsify::Off | Sparsify::Moves)
+    }
+}
+
 impl Effort {
     fn of(level: Sparsify) -> Effort {
         match level {
-            Sparsify::Off => Effort {
+            Sparsify::Off | Sparsify::Moves => Effort {
                 neighbours: 1,
                 remaining: 0,
-                alone: 3,
+                alone: 2,
                 obstacles: 7,
                 cap: 1.8,
-                places: 3,
+                places: 2,
                 spacing: 0.72,
                 reach: 1.2,
                 cascade: 0,

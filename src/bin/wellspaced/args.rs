@@ -61,7 +61,7 @@ pub struct Refine {
     /// How hard to try to do with fewer Steiner points; `quick` where no level is given, and by default with --rule sparse
     #[arg(long, value_enum, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "quick", require_equals = true)]
     pub sparsify: Option<SparsifyName>,
-    /// Take no Steiner point away again
+    /// No pass afterwards: with --rule sparse the same as --sparsify=moves, with the others as --sparsify=off
     #[arg(long, conflicts_with = "sparsify")]
     pub no_sparsify: bool,
     /// Stop at this many vertices, input included
@@ -135,6 +135,10 @@ impl RuleName {
 /// The levels of the pass that takes Steiner points away again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SparsifyName {
+    /// The sampler alone
+    Off,
+    /// A sample may move a Steiner point near it instead; no pass afterwards
+    Moves,
     /// What is found at little cost
     Quick,
     /// Three to five times the time, about an eighth fewer
@@ -144,6 +148,8 @@ pub enum SparsifyName {
 impl From<SparsifyName> for Sparsify {
     fn from(name: SparsifyName) -> Sparsify {
         match name {
+            SparsifyName::Off => Sparsify::Off,
+            SparsifyName::Moves => Sparsify::Moves,
             SparsifyName::Quick => Sparsify::Quick,
             SparsifyName::Thorough => Sparsify::Thorough,
         }
@@ -154,7 +160,7 @@ impl Refine {
     /// The level asked for, if one was.
     pub fn level(&self) -> Option<Sparsify> {
         if self.no_sparsify {
-            return Some(Sparsify::Off);
+            return Some(if self.rule == RuleName::Sparse { Sparsify::Moves } else { Sparsify::Off });
         }
         self.sparsify.map(Sparsify::from)
     }
@@ -165,22 +171,24 @@ impl Refine {
 pub enum Method {
     Circumcenter,
     Paper,
-    Sparse,
+    Sampler,
+    Moves,
     Quick,
     Thorough,
 }
 
 impl Method {
     /// All of them, the one that the others are compared with first.
-    pub const TABLE: [Method; 5] =
-        [Method::Circumcenter, Method::Paper, Method::Sparse, Method::Quick, Method::Thorough];
+    pub const TABLE: [Method; 6] =
+        [Method::Circumcenter, Method::Paper, Method::Sampler, Method::Moves, Method::Quick, Method::Thorough];
 
     /// As the options that choose it.
     pub fn name(self) -> &'static str {
         match self {
             Method::Circumcenter => "circumcenter",
             Method::Paper => "paper",
-            Method::Sparse => "sparse, no pass",
+            Method::Sampler => "sparse, sampler",
+            Method::Moves => "sparse, no pass",
             Method::Quick => "sparse",
             Method::Thorough => "sparse, thorough",
         }
@@ -190,13 +198,14 @@ impl Method {
         match self {
             Method::Circumcenter => Rule::Circumcenter,
             Method::Paper => Rule::Paper,
-            Method::Sparse | Method::Quick | Method::Thorough => Rule::Sparse,
+            Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => Rule::Sparse,
         }
     }
 
     pub fn sparsify(self) -> Sparsify {
         match self {
-            Method::Circumcenter | Method::Paper | Method::Sparse => Sparsify::Off,
+            Method::Circumcenter | Method::Paper | Method::Sampler => Sparsify::Off,
+            Method::Moves => Sparsify::Moves,
             Method::Quick => Sparsify::Quick,
             Method::Thorough => Sparsify::Thorough,
         }

@@ -71,7 +71,7 @@ pub fn printed(dataset: Dataset, radius_edge: f64, rule: Method) -> Option<Print
     let column = match rule {
         Method::Circumcenter => 0,
         Method::Paper => 1,
-        Method::Sparse | Method::Quick | Method::Thorough => return None,
+        Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => return None,
     };
     let (vertices, tetrahedra) = rows(dataset)[row][column];
     let misprint = (dataset, row, column) == (Dataset::Helix, 3, 1);

@@ -94,7 +94,7 @@ pub fn text_footer(rows: &[Row]) -> String {
 fn is_printed(rule: Method) -> bool {
     match rule {
         Method::Circumcenter | Method::Paper => true,
-        Method::Sparse | Method::Quick | Method::Thorough => false,
+        Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => false,
     }
 }
 
@@ -215,12 +215,12 @@ mod tests {
         vec![
             row(Dataset::Helix, 8.0, Method::Circumcenter, 1_234_567),
             row(Dataset::Helix, 8.0, Method::Paper, 500),
-            row(Dataset::Helix, 8.0, Method::Sparse, 400),
+            row(Dataset::Helix, 8.0, Method::Moves, 400),
             row(Dataset::Helix, 8.0, Method::Quick, 300),
             row(Dataset::Helix, 8.0, Method::Thorough, 200),
             row(Dataset::Random, 1.5, Method::Circumcenter, 20),
             row(Dataset::Random, 1.5, Method::Paper, 10),
-            row(Dataset::Random, 1.5, Method::Sparse, 5),
+            row(Dataset::Random, 1.5, Method::Moves, 5),
             row(Dataset::Random, 1.5, Method::Quick, 4),
             row(Dataset::Random, 1.5, Method::Thorough, 3),
         ]
