@@ -68,8 +68,8 @@ impl Mesh {
 
     /// The triangulation of the complex's points, with the complex as its domain.
     ///
-    /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation, or
-    /// encroached. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
+    /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation. What is
+    /// encroached waits for the refinement. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
     /// unusable, and tells when the facets enclose no volume; [`Error::Cancelled`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
         Self::from_plc_on(1, plc, control)

@@ -1,17 +1,18 @@
 //! Rule 3 as the sparse rule has it: boundary elements are split only where it can't be helped.
 //!
-//! Ruppert's and Shewchuk's rules split an element as soon as any vertex lies in its smallest ball. Their proofs that refinement ends use less.
-//! They need that a vertex which a sample `p` calls for, on a segment or facet that `p` comes near to, is at least `r/√2` away from
-//! `p`, where `r` is the distance from `p` to the nearest vertex, its *clearance*; and that no sample leaves the domain. So with
+//! Ruppert's and Shewchuk's rules split an element as soon as any vertex lies in its smallest ball. Their proofs that refinement ends use less: a vertex
+//! that a sample `p` calls for on a facet may be as near as `r/√2` to what is there, `r` being the distance from `p` to the nearest vertex, its *clearance*,
+//! and the one that this calls for on a segment as near as `r/2`; with `r ≥ β·l`, `l` the edge being mended, no edge shorter than `l` comes for β ≥ 2. So with
 //! [`Rule::Sparse`](crate::refine::Rule::Sparse) an element gives way to a sample when
-//! - the sample encroaches upon it and is nearer to it than `r/√2`, or
+//! - the sample encroaches upon it and is nearer to it than `r/2`, or
 //! - the sample lies beyond it, or would take it out of the triangulation.
 //!
-//! Otherwise the sample is inserted. It is at least `r/√2` away from the whole element, so from every vertex that will ever split it: what the splits of an unencroached
-//! element promise to its apex holds for any point of this one. Elements that are edges and faces are not split for what is in their balls
-//! already, input vertices or vertices on other elements; a point of them that a later sample calls for keeps the distances above.
-//! The boundary conforms, and all tetrahedra keep the bound; balls of elements need not be empty. Where that leaves a tetrahedron unmended, which the classical rules might
-//! mend, the refinement goes on with those.
+//! Otherwise the sample is inserted. It is at least `r/2` away from the whole element, so from every vertex that will ever split it, be it called for by a sample or
+//! by a split: the same bound that the chain of splits has. Elements that are edges and faces are not split for what is in their balls already, input vertices
+//! or vertices on other elements either.
+//!
+//! The boundary conforms, and all tetrahedra keep the bound; balls of elements need not be empty. Where that leaves a tetrahedron unmended which the
+//! classical rules might mend, the refinement goes on with those.
 
 use super::boundary::{edge_key, face_key, Boundary, Encroached, ON_FACET, ON_SEGMENT};
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
@@ -20,7 +21,7 @@ use crate::triangulation::topology::{tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
-/// How near a sample may come to an element that it encroaches upon, as a share of its clearance: squared.
+/// How near a sample may come to an element that it encroaches upon, as a share of its clearance, squared: (½)².
 const SHARE2: f64 = 0.25;
 
 impl Boundary {
@@ -97,5 +98,39 @@ impl Boundary {
         self.pending_segments.clear();
         self.pending_facets.clear();
         self.enqueue_all(t);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::triangulation::cavity::Cavity;
+    use crate::{Control, Mesh, Plc};
+
+    fn in_the_way(p: DVec3, clearance: f64) -> Encroached {
+        let mut mesh = Mesh::from_plc(&Plc::boxed(DVec3::ZERO, DVec3::splat(4.0), []), &Control::new()).unwrap();
+        let (t, boundary) = mesh.parts();
+        let (mut cavity, mut found) = (Cavity::default(), Encroached::default());
+        t.prepare(p, t.recent(), &mut cavity).unwrap();
+        let tets = cavity.tets.iter().copied();
+        boundary.unwrap().in_the_way(t, (p, clearance), tets, |t| cavity.contains(t), &mut found);
+        found
+    }
+
+    #[test]
+    fn elements_give_way_to_what_is_near() {
+        // Over the facet z = 0, away from the segments: those of its halves that hold the foot, or both on the diagonal.
+        let near = in_the_way(DVec3::new(2.5, 2.25, 0.75), 1.75);
+        assert!(near.segments.is_empty() && !near.facets.is_empty(), "{near:?}");
+        assert!(in_the_way(DVec3::new(2.5, 2.25, 0.875), 1.75).is_empty());
+        // Beside the segment along x.
+        assert_eq!(in_the_way(DVec3::new(2.0, 0.3, 0.3), 1.0).segments.len(), 1);
+        assert!(in_the_way(DVec3::new(2.0, 0.5, 0.5), 1.0).segments.is_empty());
+    }
+
+    #[test]
+    fn elements_give_way_to_what_lies_beyond() {
+        assert!(!in_the_way(DVec3::new(2.0, 1.5, -1.0), 1e-9).facets.is_empty());
+        assert!(!in_the_way(DVec3::new(2.0, -1.0, -1.5), 1e-9).segments.is_empty());
     }
 }

@@ -6,14 +6,15 @@
 //! | `search` | which vertices to replace, and the place of the one that comes |
 //! | `change` | the replacement looked at exactly, then made or dropped |
 //!
-//! It works twice. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
+//! It works twice, or, at the level of [`Moves`](Sparsify::Moves), only the first time: then nothing is taken away from what stands, the rule only decides at the
+//! insertion of a sample that a point moves in its stead. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
 //! Tetrahedra whose shortest edge is longer than the one being mended may still be bad then: the refinement comes to them later, with fewer vertices
 //! in its way. This is worth far more than the same work on the finished mesh, where everything around a vertex has been fitted to it. *Afterwards*, or on any mesh, a queue of
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
-//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, which needs no split where all tetrahedra
-//! are good; a later refinement splits them if it has to.
+//! Segments and facets stay covered by edges and faces. Some may be left encroached, which needs no split where all tetrahedra are good
+//! (see `domain::clearance`); a later refinement splits them if it has to.
 //!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is

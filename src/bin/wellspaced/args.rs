@@ -26,7 +26,9 @@ pub enum Command {
     Delaunay(Delaunay),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
-    /// Write a data set of the paper to standard output as a .poly file
+    /// Find the lowest bound for which each rule ends on each data set of the paper, to 0.01, and print it in Markdown
+    LowestBeta(LowestBeta),
+    /// Write a data set, one of the paper's or of ours, to standard output as a .poly file
     Dataset(DatasetArguments),
 }
 
@@ -96,13 +98,27 @@ pub struct Table1 {
     pub markdown: bool,
 }
 
+/// Arguments of `lowest-beta`.
+#[derive(Debug, Args)]
+pub struct LowestBeta {
+    /// The seed of the random data sets
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Only this data set; may be given several times
+    #[arg(long = "only", value_name = "NAME", value_enum)]
+    pub only: Vec<Dataset>,
+    /// A refinement that needs more vertices does not end
+    #[arg(long, value_name = "N", default_value_t = 300_000)]
+    pub max_vertices: usize,
+}
+
 /// Arguments of `dataset`.
 #[derive(Debug, Args)]
 pub struct DatasetArguments {
     /// Which one
     #[arg(value_name = "NAME", value_enum)]
     pub dataset: Dataset,
-    /// The seed of the random ones (cube8, ellipsoid, random)
+    /// The seed of the random ones (all but cube1 and helix)
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
 }

@@ -6,7 +6,7 @@
 //! | [`read`] | input files, and naming what is wrong in them |
 //! | [`write`] | output files, whole or not at all |
 //! | [`mesh`] | `refine` and `delaunay` |
-//! | [`table`] | `table1`: the paper's table beside ours |
+//! | [`table`] | `table1`: the paper's table beside ours, and `lowest-beta` |
 //! | [`dataset`] | `dataset`: the paper's data sets as recipes |
 //! | [`report`], [`progress`], [`failure`] | what is said on standard output and standard error |
 
@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Refine(arguments) => mesh::refine(&arguments),
         Command::Delaunay(arguments) => mesh::delaunay(&arguments),
         Command::Table1(arguments) => table::table1(&arguments),
+        Command::LowestBeta(arguments) => table::lowest::lowest_beta(&arguments),
         Command::Dataset(arguments) => dataset(&arguments),
     };
     match result {
