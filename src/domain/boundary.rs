@@ -366,6 +366,7 @@ impl Boundary {
     fn needs_split_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> bool {
         match t.topology.find_edge(a, b) {
             None => true,
+            Some(_) if self.tolerant => is_crowded(t, &[[a, b]]),
             Some((tet, i, j)) => t
                 .topology
                 .around_edge(tet, i, j)
@@ -376,6 +377,9 @@ impl Boundary {
     /// Whether a subfacet is missing or encroached. If any vertex lies in its smallest ball, one of its two apices does.
     fn needs_split_facet(&self, t: &Triangulation, face: [u32; 3]) -> bool {
         let mut apices = t.face_apices(face).peekable();
+        if self.tolerant && apices.peek().is_some() {
+            return is_crowded(t, &[[face[0], face[1]], [face[1], face[2]], [face[2], face[0]]]);
+        }
         apices.peek().is_none() || apices.any(|v| self.vertex_encroaches_facet(t, face, v))
     }
 
@@ -399,13 +403,16 @@ impl Boundary {
         for &edge in segments {
             debug_assert!(edge.contains(&new));
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
+            let crowded = || self.tolerant && is_crowded(t, &[edge]);
+            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) || crowded() {
                 self.pending_segments.push_back(edge_key(edge));
             }
         }
         for &face in facets {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
-            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
+            let [a, b, c] = face;
+            let crowded = || self.tolerant && is_crowded(t, &[[a, b], [b, c], [c, a]]);
+            if around.is_empty() || around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) || crowded() {
                 self.pending_facets.push_back(face_key(face));
             }
         }
@@ -421,6 +428,17 @@ impl Boundary {
         let facet = self.subfacets().into_iter().find(|&(face, _)| t.topology.find_face(face).is_none());
         facet.map(|(face, _)| Defect::MissingSubfacet { face })
     }
+}
+
+/// More tetrahedra around one edge than this make every cavity there a large one.
+const CROWD: usize = 1000;
+
+/// Whether one of these edges has so many tetrahedra around it that elements there are split however few points that saves.
+fn is_crowded(t: &Triangulation, edges: &[[u32; 2]]) -> bool {
+    edges.iter().any(|&[a, b]| {
+        let found = t.topology.find_edge(a, b);
+        found.is_some_and(|(tet, i, j)| t.topology.around_edge(tet, i, j).nth(CROWD).is_some())
+    })
 }
 
 impl Triangulation {

@@ -241,6 +241,7 @@ pub(crate) fn may_be_narrower([a, b, c, d]: [DVec3; 4], cotangent: f64) -> bool 
     };
     // Negated, so that what is no number is looked at.
     !(cotangent > 0.0
+        && volume6 != 0.0
         && wide(nc, nd, u)
         && wide(nb, nd, v)
         && wide(nb, nc, w)

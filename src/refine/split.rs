@@ -39,6 +39,7 @@ impl Refiner<'_> {
             }
             (false, Ok(())) => {
                 self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+                self.boundary.add_removed(self.t, p, &self.cavity, &mut self.encroached);
                 let next = self.t.next_vertex();
                 let changes = self.boundary.insert_on_segment(self.t, &self.cavity, edge, next, p);
                 let new = self.insert_prepared(p)?;
@@ -66,6 +67,7 @@ impl Refiner<'_> {
             return Ok(self.block_facet(face));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        self.boundary.add_removed(self.t, p, &self.cavity, &mut self.encroached);
         if self.rim_distance(p) < self.min_edge {
             return Ok(self.block_facet(face));
         }
