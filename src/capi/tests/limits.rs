@@ -33,9 +33,12 @@ fn valid(t: &Owned) {
     done(unsafe { wsp_triangulation_validate(t.0, WSP_VALIDATE_DELAUNAY, 0.0) });
 }
 
+/// Sets a limit.
+type Limit = fn(&mut wsp_refine_options);
+
 #[test]
 fn each_limit_ends_with_its_status_and_a_mesh_to_go_on_with() {
-    let limits: [(wsp_status, fn(&mut wsp_refine_options)); 4] = [
+    let limits: [(wsp_status, Limit); 4] = [
         (WSP_VERTEX_LIMIT, |options| options.max_vertices = 520),
         (WSP_UNREFINED, |options| options.min_edge = 0.3),
         (WSP_TIME_LIMIT, |options| options.max_seconds = 1e-9),

@@ -118,6 +118,7 @@ fn the_ends_of_the_range_are_in_it() {
         let t = Owned::of(&points);
         assert_eq!(t.counts().0, points.len());
         valid(&t);
+        // SAFETY: a struct of numbers.
         let mut options: wsp_refine_options = unsafe { std::mem::zeroed() };
         // SAFETY: live handles and structs.
         unsafe {
@@ -136,6 +137,7 @@ fn points_far_from_the_origin_are_meshed_as_well_as_their_coordinates_allow() {
         let points: Vec<[f64; 3]> = scattered(300, 5).into_iter().map(|p| p.map(|x| x * 1000.0 + shift)).collect();
         let t = Owned::of(&points);
         valid(&t);
+        // SAFETY: a struct of numbers.
         let mut options: wsp_refine_options = unsafe { std::mem::zeroed() };
         // SAFETY: live handles and structs.
         unsafe {
