@@ -20,9 +20,10 @@
 //
 // What is kept: handles of vertices stay valid, those of cells as after dt.insert. Kernel, vertex and cell types and tags
 // are free (Fast_location excepted: its hierarchy must be told of points by its own insert); with Parallel_tag nobody else may use `dt` during
-// the call. Coordinates are taken as doubles; new points have double coordinates. CGAL 5.5; later ones by their
-// documentation: of the triangulation and its data structure only what CGAL documents is used, but for side_of_sphere's third argument
-// (perturb) and Compact_container::is_used, both there since long before.
+// the call. Coordinates are taken as doubles; new points have double coordinates. Tested with
+// CGAL 5.5.1 only. Of the triangulation and its data structure what CGAL documents is used (locate, create_cell, create_vertex, delete_cells,
+// set_neighbor, incident_cells and the like, side_of_sphere, Compact_container::is_used), but for side_of_sphere's third argument
+// (perturb), so that other versions are likely to do.
 //
 // Order: that of the library's own refinement without its pass (WSP_SPARSIFY_OFF). Vertices are numbered as `dt` lists them; where they were
 // inserted one by one in the order of the library's input, the same Steiner points come in the same order, bit by bit
@@ -32,8 +33,8 @@
 // 2^-142 to 2^201. `dt` is a valid Delaunay triangulation whenever an exception leaves refine, also when on_insert throws.
 //
 // Cost, with the triangulation of the input, over CGAL's insertion of the same points one by one in the same order, each located from the one
-// before: at a bound of 2 1.0 to 1.3 times on sets of 10,000 to 40,000 vertices, 2.7 to 3.1 times on those of 150 to 600, most of which
-// lie on the boundary (cpp_tests/bench/cgal.cpp).
+// before: 0.8 to 1.2 times on sets of 10,000 input points, 1.1 to 1.5 times on one of 1,000 about lines, and 2.3 to 2.7 times on those of 10 and
+// 32, where all memory is near and plain insertion is fastest (cpp_tests/bench/cgal.cpp).
 
 #ifndef WELLSPACED_CGAL_HPP
 #define WELLSPACED_CGAL_HPP

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::guard::{call, Failure};
+use super::guard::{call, Answer, Failure};
 use super::options::{rule, wsp_sampler_options};
 use super::status::*;
 use super::{args, sized};
@@ -46,6 +46,25 @@ unsafe fn star<'a>(
     Ok(Star { p, q, link, closed })
 }
 
+/// What the calls that sample have in common: reads the options, and gives the points that `sample` makes by them to the caller.
+///
+/// # Safety
+/// Each pointer is NULL or live, `out_xyz` with room for `capacity` points.
+unsafe fn answer(
+    options: *const wsp_sampler_options,
+    out_xyz: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+    sample: impl FnOnce(f64, Rule) -> Result<Vec<DVec3>, Failure>,
+) -> Answer {
+    args::list_out(out_xyz, capacity, "out_xyz", count)?;
+    // SAFETY: as the caller promises.
+    let options = unsafe { sized::read(options, "options")? };
+    let points = sample(args::radius_edge(options.radius_edge)?, rule(options.rule)?)?;
+    // SAFETY: as the caller promises.
+    unsafe { args::fill(&points, out_xyz.cast::<DVec3>(), capacity, count) }
+}
+
 /// The Steiner batch of edge p q of any Delaunay triangulation, without a handle: as wsp_steiner_batch computes it, but
 /// knowing no domain.
 ///
@@ -74,13 +93,11 @@ pub unsafe extern "C" fn wsp_sample_edge(
 ) -> wsp_status {
     // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
     call("wsp_sample_edge", || unsafe {
-        args::list_out(out_xyz, capacity, "out_xyz", count)?;
-        let options = sized::read(options, "options")?;
-        let (radius_edge, rule) = (args::radius_edge(options.radius_edge)?, rule(options.rule)?);
-        let star = star(p, q, link_xyz, n, closed)?;
-        let samples = sampler::sample_edge(star.p, star.q, star.link, star.closed, radius_edge, rule);
-        let points = samples.map(|samples| samples.points).unwrap_or_default();
-        args::fill(&points, out_xyz.cast::<DVec3>(), capacity, count)
+        answer(options, out_xyz, capacity, count, |radius_edge, rule| {
+            let star = star(p, q, link_xyz, n, closed)?;
+            let samples = sampler::sample_edge(star.p, star.q, star.link, star.closed, radius_edge, rule);
+            Ok(samples.map(|samples| samples.points).unwrap_or_default())
+        })
     })
 }
 
@@ -109,18 +126,15 @@ pub unsafe extern "C" fn wsp_sample_tetrahedron(
 ) -> wsp_status {
     // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
     call("wsp_sample_tetrahedron", || unsafe {
-        args::list_out(out_xyz, capacity, "out_xyz", count)?;
-        let options = sized::read(options, "options")?;
-        let (radius_edge, rule) = (args::radius_edge(options.radius_edge)?, rule(options.rule)?);
-        let corners: [DVec3; 4] = *args::reference(corners_xyz.cast(), "corners_xyz")?;
-        check_points(&corners)?;
-        let samples = if rule == Rule::Circumcenter {
-            sampler::sample_circumcenter(corners)
-        } else {
+        answer(options, out_xyz, capacity, count, |radius_edge, rule| {
+            let corners: [DVec3; 4] = *args::reference(corners_xyz.cast(), "corners_xyz")?;
+            check_points(&corners)?;
+            if rule == Rule::Circumcenter {
+                return Ok(sampler::sample_circumcenter(corners).points);
+            }
             let star = star(corners_xyz, corners_xyz.add(3), link_xyz, n, closed)?;
-            sampler::sample_tetrahedron(corners, star.link, star.closed, radius_edge, rule)
-        };
-        args::fill(&samples.points, out_xyz.cast::<DVec3>(), capacity, count)
+            Ok(sampler::sample_tetrahedron(corners, star.link, star.closed, radius_edge, rule).points)
+        })
     })
 }
 

@@ -67,6 +67,7 @@ public:
         vertex v;
         std::uint32_t number = 0;
         std::vector<int> facets;  // in order
+        std::uint64_t mask = 0;   // a bit for each, the same for several where there are more than 64 facets
         int segment = -1;         // the segment that it lies inside
         int corner = -1;          // or its number as a corner, where segments end
         bool acute = false;
@@ -110,57 +111,96 @@ public:
 
     // Whether a cell is of the domain.
     bool contains(cell c) const { return !dt_.is_infinite(c) && !is_flat(c) && domain_(c); }
+    // The same for one with a vertex that is not on the boundary, so that the cell can't be flat.
+    bool contains_round(cell c) const { return !dt_.is_infinite(c) && domain_(c); }
 
     // Whether a face has the domain on one side only.
     bool is_wall(cell c, int slot) const {
         const info* v[3];
         for (int i = 0, n = 0; i < 4; ++i)
             if (i != slot && (v[n++] = look(c->vertex(i))) == nullptr) return false;
-        return common(v[0], v[1], v[2]) >= 0 && contains(c) != contains(c->neighbor(slot));
+        return is_wall(c, slot, v[0], v[1], v[2]);
+    }
+    // The same where it is known what its vertices are.
+    bool is_wall(cell c, int slot, const info* a, const info* b, const info* d) const {
+        return common(a, b, d) >= 0 && contains(c) != contains(c->neighbor(slot));
     }
 
     bool is_segment(const edge_key& e) const { return segments_.count(e) != 0; }
 
-    // What a point encroaches upon around its cavity, in order. Returns whether the cavity lies in the domain.
-    template <class Cells>
-    bool encroached_by(const typename Dt::Point& p, const Cells& cells, encroached& found) const {
-        found.clear();
-        bool inside = true;
-        const vec at_p = to_vec(p);
-        for (const cell& c : cells) {
-            const info* v[4];
-            int on_facet = 0, on_segment = 0;
-            for (int i = 0; i < 4; ++i) {
-                v[i] = look(c->vertex(i));
-                on_facet += v[i] != nullptr;
-                on_segment += v[i] != nullptr && v[i]->on_segment();
-            }
-            inside = inside && !dt_.is_infinite(c) && (on_facet < 4 || !are_flat(v)) && domain_(c);
-            if (on_segment >= 2)
-                for (int i = 0; i < 4; ++i)
-                    for (int j = i + 1; j < 4; ++j) {
-                        if (!v[i] || !v[j] || !v[i]->on_segment() || !v[j]->on_segment()) continue;
-                        const edge_key e = key(v[i], v[j]);
-                        // What is no subsegment is seldom near enough, which is found out faster.
-                        const judgement near = in_ball(at(e[0]), at(e[1]), at_p);
-                        if (near != judgement::no && !has(found.segments, e) && is_segment(e) &&
-                            (near == judgement::yes || encroaches(e, p, at_p)))
-                            found.segments.push_back(e);
-                    }
-            if (on_facet >= 3)
-                for (int i = 0; i < 4; ++i) {
-                    const info *a = v[(i + 1) & 3], *b = v[(i + 2) & 3], *d = v[(i + 3) & 3];
-                    if (!a || !b || !d || common(a, b, d) < 0) continue;
-                    const face_key f = key(a, b, d);
-                    const judgement near = in_ball(at(f[0]), at(f[1]), at(f[2]), at_p);
-                    if (near != judgement::no && !has(found.facets, f) && is_wall(c, i) &&
-                        (near == judgement::yes || encroaches(f, p, at_p)))
-                        found.facets.push_back(f);
-                }
+    // Looks up the corners of a hole. Returns whether the cells in conflict lie in the domain.
+    template <class Hole>
+    bool look_around(const Hole& hole) {
+        known_.clear();
+        on_boundary_ = 0;
+        for (const auto& corner : hole.corners()) {
+            known_.push_back(look(corner.v));
+            on_boundary_ += known_.back() != nullptr;
         }
-        sort(found.segments);
-        sort(found.facets);
-        return inside;
+        inside_.clear();
+        bool all = true;
+        for (std::size_t n = 0; n < hole.cells().size(); ++n) {
+            const bool inside = contains(hole.cells()[n], hole.cell_corners()[n]);
+            inside_.push_back(inside);
+            all = all && inside;
+        }
+        return all;
+    }
+    // What is known of one of them.
+    const info* known(std::size_t place) const { return known_[place]; }
+    // Whether a cell is of the domain whose corners are at these places, or the vertex besides that `added` tells of.
+    bool contains(cell c, const std::array<std::uint32_t, 4>& places) const {
+        return contains(c, known_[places[0]], known_[places[1]], known_[places[2]], known_[places[3]]);
+    }
+    bool contains(cell c, const info* added, const std::array<std::uint32_t, 3>& places) const {
+        return contains(c, added, known_[places[0]], known_[places[1]], known_[places[2]]);
+    }
+
+    // The subsegments that the point of the hole looked at last encroaches upon, in order.
+    template <class Hole>
+    void encroached_segments(const Hole& hole, std::vector<edge_key>& found) {
+        found.clear();
+        if (on_boundary_ < 2) return;
+        // Pairs of vertices first, most of which are too far apart from the point for that, then whether they are ends of a subsegment.
+        const auto& corners = hole.corners();
+        on_segment_.clear();
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            if (!known_[i] || !known_[i]->on_segment()) continue;
+            for (std::size_t j : on_segment_) {
+                const judgement near = in_ball(corners[i].from, corners[j].from);
+                if (near == judgement::no) continue;
+                const edge_key e = key(known_[i], known_[j]);
+                if (is_segment(e) && are_neighbors(hole, i, j) &&
+                    (near == judgement::yes || encroaches(e, hole.at(), hole.place_of_point())))
+                    found.push_back(e);
+            }
+            on_segment_.push_back(i);
+        }
+        sort(found);
+    }
+    // And the subfacets.
+    template <class Hole>
+    void encroached_facets(const Hole& hole, std::vector<face_key>& found) const {
+        found.clear();
+        if (on_boundary_ < 3) return;
+        const auto& corners = hole.corners();
+        for (std::size_t n = 0; n < hole.cells().size(); ++n) {
+            const auto& places = hole.cell_corners()[n];
+            const info* const v[4] = {known_[places[0]], known_[places[1]], known_[places[2]], known_[places[3]]};
+            if ((v[0] != nullptr) + (v[1] != nullptr) + (v[2] != nullptr) + (v[3] != nullptr) < 3) continue;
+            for (int i = 0; i < 4; ++i) {
+                const info *a = v[(i + 1) & 3], *b = v[(i + 2) & 3], *d = v[(i + 3) & 3];
+                if (common(a, b, d) < 0) continue;
+                const auto &p = corners[places[(i + 1) & 3]], &q = corners[places[(i + 2) & 3]], &r = corners[places[(i + 3) & 3]];
+                const judgement near = in_ball(p.at, q.at, r.at, hole.place_of_point());
+                if (near == judgement::no) continue;
+                const face_key f = key(a, b, d);
+                if (!has(found, f) && (inside_[n] != 0) != contains(hole.cells()[n]->neighbor(i)) &&
+                    (near == judgement::yes || encroaches(f, hole.at(), hole.place_of_point())))
+                    found.push_back(f);
+            }
+        }
+        sort(found);
     }
 
     // Keeps the one element that `p` encroaches upon most.
@@ -198,13 +238,18 @@ public:
     }
 
     bool vertex_encroaches(vertex v, const edge_key& e) const {
-        if (dt_.is_infinite(v) || !encroaches(e, v->point(), at(v))) return false;
+        return !dt_.is_infinite(v) && encroaches(e, v->point(), at(v)) && may_encroach(v, e);
+    }
+    bool vertex_encroaches(vertex v, const face_key& f) const {
+        return !dt_.is_infinite(v) && encroaches(f, v->point(), at(v)) && may_encroach(v, f);
+    }
+    // Whether it does if it lies in the element's ball.
+    bool may_encroach(vertex v, const edge_key& e) const {
         const auto segment = segments_.find(e);
         return segment != segments_.end() &&
                may_encroach(v, {carried_by::segment, segment->second}, middle(e));
     }
-    bool vertex_encroaches(vertex v, const face_key& f) const {
-        if (dt_.is_infinite(v) || !encroaches(f, v->point(), at(v))) return false;
+    bool may_encroach(vertex v, const face_key& f) const {
         const int facet_of = common(look(f[0]), look(f[1]), look(f[2]));
         const vec a = at(f[0]), b = at(f[1]), c = at(f[2]);
         return may_encroach(v, {carried_by::facet, facet_of},
@@ -217,7 +262,7 @@ public:
         segments_.erase(e);
         info& added = add(v);
         added.segment = segment;
-        added.facets = segment_list_[segment].facets;
+        lie_on(added, segment_list_[segment].facets);
         const std::array<edge_key, 2> parts{key(look(e[0]), &added), key(look(e[1]), &added)};
         for (const edge_key& part : parts) segments_[part] = segment;
         return parts;
@@ -225,7 +270,7 @@ public:
     // A vertex has come to split this subfacet.
     void split(const face_key& f, vertex v) {
         const int facet_of = common(look(f[0]), look(f[1]), look(f[2]));
-        add(v).facets = {facet_of};
+        lie_on(add(v), {facet_of});
     }
 
     const std::vector<edge_key>& first_segments() const { return first_segments_; }
@@ -258,15 +303,39 @@ private:
         return infos_.back();
     }
 
+    static void lie_on(info& v, const std::vector<int>& facets) {
+        v.facets = facets;
+        v.mask = 0;
+        for (int f : facets) v.mask |= std::uint64_t(1) << (f & 63);
+    }
+
+    bool contains(cell c, const info* v0, const info* v1, const info* v2, const info* v3) const {
+        if (dt_.is_infinite(c)) return false;
+        if (v0 && v1 && v2 && v3) {
+            const info* const v[4] = {v0, v1, v2, v3};
+            if (are_flat(v)) return false;
+        }
+        return domain_(c);
+    }
+
+    // Whether two corners of the hole are of one of its cells.
+    template <class Hole>
+    static bool are_neighbors(const Hole& hole, std::size_t i, std::size_t j) {
+        for (const auto& places : hole.cell_corners())
+            if (std::count(places.begin(), places.end(), i) + std::count(places.begin(), places.end(), j) == 2) return true;
+        return false;
+    }
+
     // A facet that all three are on, or -1.
     static int common(const info* a, const info* b, const info* c) {
-        if (!a || !b || !c) return -1;
+        if (!a || !b || !c || (a->mask & b->mask & c->mask) == 0) return -1;
         for (int f : a->facets)
             if (has(b->facets, f) && has(c->facets, f)) return f;
         return -1;
     }
 
     static bool are_flat(const info* const (&v)[4]) {
+        if ((v[0]->mask & v[1]->mask & v[2]->mask & v[3]->mask) == 0) return false;
         for (int f : v[0]->facets)
             if (has(v[1]->facets, f) && has(v[2]->facets, f) && has(v[3]->facets, f)) return true;
         return false;
@@ -282,7 +351,7 @@ private:
     vec middle(const edge_key& e) const { return combine(0.5, at(e[0]), 0.5, at(e[1])); }
 
     bool encroaches(const edge_key& e, const typename Dt::Point& p, const vec& at_p) const {
-        const judgement found = in_ball(at(e[0]), at(e[1]), at_p);
+        const judgement found = in_ball(at(e[0]) - at_p, at(e[1]) - at_p);
         if (found != judgement::unsure) return found == judgement::yes;
         return dt_.geom_traits().side_of_bounded_sphere_3_object()(e[0]->point(), e[1]->point(), p) ==
                CGAL::ON_BOUNDED_SIDE;
@@ -378,6 +447,7 @@ private:
                 if (!has(on, of)) on.insert(std::upper_bound(on.begin(), on.end(), of), of);
             }
         }
+        for (info& v : infos_) lie_on(v, std::vector<int>(v.facets));
         facet_corners_.resize(facets);
         std::vector<std::vector<int>> around;
         for (const auto& at_edge : edges) {
@@ -451,6 +521,10 @@ private:
     const numbers<vertex>& numbers_;
     numbers<vertex> places_{4};  // of `infos_`; sparse, for most questions are after free vertices
     std::deque<info> infos_;
+    std::vector<const info*> known_;  // of the corners of the hole looked at last
+    std::size_t on_boundary_ = 0;     // how many of them are
+    std::vector<char> inside_;        // whether its cells are in the domain
+    std::vector<std::size_t> on_segment_;
     std::unordered_map<edge_key, int, handles_hash<2>> segments_;
     std::vector<segment_info> segment_list_;
     std::vector<std::vector<vertex>> facet_corners_;

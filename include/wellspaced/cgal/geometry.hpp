@@ -120,24 +120,48 @@ inline bool is_bad(const corners& p, double radius_edge) {
     return bad != 0;
 }
 
-// 1 if the origin lies inside the circumsphere of the positively oriented tetrahedron q, -1 if outside, 0 if floating point can't say. `ww` are the
-// squared lengths of q, `most` the largest. The determinant is a sum of 24 products, each at most most^2.5 and off by 20u of that,
-// or 40u in other rounding modes.
-inline int in_sphere(const vec (&q)[4], const double (&ww)[4], double most) {
-    const double ab = q[0][0] * q[1][1] - q[1][0] * q[0][1], bc = q[1][0] * q[2][1] - q[2][0] * q[1][1],
-                 cd = q[2][0] * q[3][1] - q[3][0] * q[2][1], da = q[3][0] * q[0][1] - q[0][0] * q[3][1],
-                 ac = q[0][0] * q[2][1] - q[2][0] * q[0][1], bd = q[1][0] * q[3][1] - q[3][0] * q[1][1];
-    const double abc = q[0][2] * bc - q[1][2] * ac + q[2][2] * ab, bcd = q[1][2] * cd - q[2][2] * bd + q[3][2] * bc,
-                 cda = q[2][2] * da + q[3][2] * ac + q[0][2] * cd, dab = q[3][2] * ab + q[0][2] * bd + q[1][2] * da;
-    const double d = (ww[3] * abc - ww[2] * dab) + (ww[1] * cda - ww[0] * bcd);
+// 1 if the origin lies inside the circumsphere of the positively oriented tetrahedron a b c e, -1 if outside, 0 if floating point can't say; the
+// other way about if it is negatively oriented. aa to ee are the squared lengths. The determinant is a sum of 24 products, each at most
+// most^2.5 and off by 20u of that, or 40u in other rounding modes, with `most` the largest of them.
+inline int in_sphere(const vec& a, const vec& b, const vec& c, const vec& e, double aa, double bb, double cc, double ee) {
+    const double m = aa > bb ? aa : bb, n = cc > ee ? cc : ee, most = m > n ? m : n;
+    if (!(most > 1e-50 && most < 1e50)) return 0;
+    const double ab = a[0] * b[1] - b[0] * a[1], bc = b[0] * c[1] - c[0] * b[1], ce = c[0] * e[1] - e[0] * c[1],
+                 ea = e[0] * a[1] - a[0] * e[1], ac = a[0] * c[1] - c[0] * a[1], be = b[0] * e[1] - e[0] * b[1];
+    const double abc = a[2] * bc - b[2] * ac + c[2] * ab, bce = b[2] * ce - c[2] * be + e[2] * bc,
+                 cea = c[2] * ea + e[2] * ac + a[2] * ce, eab = e[2] * ab + a[2] * be + b[2] * ea;
+    const double d = (ee * abc - cc * eab) + (bb * cea - aa * bce);
     const double square = most * most;
-    if (!(most > 1e-50 && most < 1e50) || !(d * d > 4e-26 * square * square * most)) return 0;
+    if (!(d * d > 4e-26 * square * square * most)) return 0;
     return d < 0 ? 1 : -1;
 }
 
-// Whether p lies inside the smallest ball of a segment, or of a triangle; see src/geometry/encroachment.rs.
-inline judgement in_ball(const vec& a, const vec& b, const vec& p) {
-    const vec u = a - p, v = b - p;
+// The sign of the volume of the tetrahedron of the origin, a, b and c, 0 if floating point can't say. aa to cc are the squared lengths. The
+// determinant is a sum of 6 products, each at most most^1.5 and off by 5u of that, or 10u in other rounding modes.
+inline int orientation(const vec& a, const vec& b, const vec& c, double aa, double bb, double cc) {
+    const double m = aa > bb ? aa : bb, most = m > cc ? m : cc;
+    if (!(most > 1e-50 && most < 1e50)) return 0;
+    const double d = a[0] * (b[1] * c[2] - c[1] * b[2]) + b[0] * (c[1] * a[2] - a[1] * c[2]) + c[0] * (a[1] * b[2] - b[1] * a[2]);
+    if (!(d * d > 1e-28 * most * most * most)) return 0;
+    return d > 0 ? 1 : -1;
+}
+
+// For three points that have coordinate `axis` in common with the origin: 1 if that lies inside the circle through them, -1 if outside, 0 if
+// floating point can't say. In the plane the determinants are sums of 6 products, each off by 5u, and of 12, each off by 10u, and twice that
+// in other rounding modes.
+inline int in_circle(const vec& a, const vec& b, const vec& c, double aa, double bb, double cc, int axis) {
+    const int x = axis == 0 ? 1 : 0, y = axis == 2 ? 1 : 2;
+    const double m = aa > bb ? aa : bb, most = m > cc ? m : cc;
+    if (!(most > 1e-50 && most < 1e50)) return 0;
+    const double ab = a[x] * b[y] - b[x] * a[y], bc = b[x] * c[y] - c[x] * b[y], ca = c[x] * a[y] - a[x] * c[y];
+    const double area = ab + bc + ca, d = aa * bc + bb * ca + cc * ab;
+    if (!(std::abs(area) > 1e-14 * most && std::abs(d) > 4e-14 * most * most)) return 0;
+    return (area > 0) == (d > 0) ? 1 : -1;
+}
+
+// Whether p lies inside the smallest ball of a segment, or of a triangle; see src/geometry/encroachment.rs. u and v are the segment's ends, seen
+// from p.
+inline judgement in_ball(const vec& u, const vec& v) {
     const double d = dot(u, v);
     const double error = 8e-15 * (std::max)({std::abs(u[0] * v[0]), std::abs(u[1] * v[1]), std::abs(u[2] * v[2])});
     return d < -error ? judgement::yes : d > error ? judgement::no : judgement::unsure;

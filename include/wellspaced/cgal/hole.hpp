@@ -4,9 +4,9 @@
 //
 // The cells in conflict with a point are searched from one of them through their faces; each face of their outline becomes a cell with the
 // point (A. Bowyer, D. F. Watson, both The Computer Journal 24, 1981). dt.find_conflicts and insert_in_hole do the same, but
-// mark each cell twice and copy their lists, and know nothing of what the refinement wants to know: here the outline's vertices are gathered
-// once, with their differences from the point, so that distances, encroachment and the quality of the cells to come are known before
-// anything changes. Where floating point can't say whether a cell is in conflict, dt.side_of_sphere does, with CGAL's perturbation.
+// mark each cell twice and copy their lists, and know nothing of what the refinement wants to know: here the vertices of the cells are gathered
+// once, with their differences from the point, which serve the search itself, distances, encroachment and the quality of the cells to
+// come, before anything changes. Where floating point can't say whether a cell is in conflict, dt.side_of_sphere does, with CGAL's perturbation.
 // The star is filled with the operations that CGAL documents for its data structure; cells meet across an edge of the outline, found in a
 // table of pairs of its vertices.
 
@@ -38,11 +38,21 @@ public:
 
     // A bad cell that the insertion has made, and the square of its shortest edge.
     struct bad_cell {
-        cell at;
+        std::size_t star;  // its place in it
         double squared;
     };
 
     hole(Dt& dt, double radius_edge) : dt_(dt), radius_edge_(radius_edge), bound4_(4 * radius_edge * radius_edge) {}
+
+    // What a vertex around the hole is, seen from the point: `from` is the way from there, `squared` its squared length. Of the infinite vertex
+    // that is infinite.
+    struct corner {
+        vertex v;
+        vec at, from;
+        double squared;
+    };
+    // Places of corners in `corners()`.
+    using place = std::uint32_t;
 
     // Looks at what inserting `p` would do. `near` is a cell near it. False where there is a vertex at `p`.
     bool find(const vec& p, cell near) {
@@ -57,24 +67,21 @@ public:
             if (type == Dt::VERTEX) return false;
         }
         search(start);
-        gather();
         return true;
     }
 
     const point& at() const { return at_; }
+    const vec& place_of_point() const { return place_; }
+    // The cells in conflict, and the places of the corners of each.
     const std::vector<cell>& cells() const { return cells_; }
-    // How many of the vertices around the hole pass a test.
-    template <class Test>
-    std::size_t count(const Test& test) const {
-        std::size_t n = 0;
-        for (const corner& c : corners_) n += test(c.v);
-        return n;
-    }
+    const std::vector<std::array<place, 4>>& cell_corners() const { return cell_corners_; }
+    // The vertices of the cells in conflict, each once.
+    const std::vector<corner>& corners() const { return corners_; }
     // The square of the distance to the nearest vertex.
     double clearance() const {
         double least = std::numeric_limits<double>::infinity();
         for (const corner& c : corners_)
-            if (c.v != infinite_ && c.squared < least) least = c.squared;
+            if (c.squared < least) least = c.squared;
         return least;
     }
 
@@ -82,13 +89,19 @@ public:
     vertex fill() {
         auto& tds = dt_.tds();
         star_.clear();
+        if (width_ < corners_.size()) {
+            width_ = 2 * corners_.size();
+            open_.assign(width_ * width_, std::uint32_t(none));
+        }
         const vertex v = tds.create_vertex();
         v->set_point(at_);
         try {
             star_.reserve(outline_.size());
             for (const facet& f : outline_) {
+                const std::array<place, 3>& c = labels_[star_.size()];
                 vertex of[4];
-                for (int k = 0; k < 4; ++k) of[k] = k == f.second ? v : f.first->vertex(k);
+                of[f.second] = v;
+                for (int k = 0; k < 3; ++k) of[(f.second + 1 + k) & 3] = corners_[c[k]].v;
                 star_.push_back(tds.create_cell(of[0], of[1], of[2], of[3]));
             }
         } catch (...) {
@@ -102,7 +115,8 @@ public:
             const cell beyond = inner->neighbor(slot);
             beyond->set_neighbor(beyond->index(inner), made);
             made->set_neighbor(slot, beyond);
-            const std::array<std::uint32_t, 3>& c = labels_[n];
+            const std::array<place, 3>& c = labels_[n];
+            for (place k : c) corners_[k].v->set_cell(made);
             // c[k] is in slot (slot + 1 + k) & 3; the neighbour across it shares the other two.
             for (int k = 0; k < 3; ++k) {
                 std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
@@ -119,14 +133,16 @@ public:
                 }
             }
         }
-        for (const corner& c : corners_) c.v->set_cell(star_[c.face]);
         v->set_cell(star_.front());
         tds.delete_cells(cells_.begin(), cells_.end());
         return v;
     }
 
-    // The cells at the new vertex, and those of them that are bad.
+    // The cells at the new vertex, in each of them its slot, and the places of the three corners in the slots that follow it.
     const std::vector<cell>& star() const { return star_; }
+    int slot_in_star(std::size_t n) const { return outline_[n].second; }
+    const std::array<place, 3>& star_corners(std::size_t n) const { return labels_[n]; }
+    // Those of them that are bad.
     const std::vector<bad_cell>& judged() {
         bad_.clear();
         for (std::size_t n = 0; n < labels_.size(); ++n) {
@@ -138,7 +154,7 @@ public:
                 judge(a.from, b.from, c.from, a.squared, b.squared, c.squared, edge, bound4_);
             if (found == judgement::no || (found == judgement::unsure && !is_bad({place_, a.at, b.at, c.at}, radius_edge_)))
                 continue;
-            bad_.push_back({star_[n], edge});
+            bad_.push_back({n, edge});
         }
         return bad_;
     }
@@ -147,59 +163,121 @@ private:
     static constexpr std::uint32_t none = 0xFFFFFFFF;
     // Whether the user's coordinates are doubles, so that differences of them are what they seem.
     static constexpr bool is_double = std::is_same<typename Dt::Geom_traits::FT, double>::value;
-    struct corner {
-        vertex v;
-        vec at, from;
-        double squared;
-        std::size_t face;  // one of the outline that it is at
-    };
     struct visited {
         cell at;
         std::uint32_t search = 0, inside = 0;
     };
     struct label {
         vertex v;
-        std::uint32_t turn = 0, number = 0;
+        std::uint32_t turn = 0;
+        place number = 0;
+        label() = default;
+        label(vertex of, std::uint32_t in, place at) : v(of), turn(in), number(at) {}
     };
 
-    // Whether a cell's circumsphere holds the point, after CGAL's perturbation.
+    // Whether a finite cell's circumsphere holds the point, after CGAL's perturbation.
     bool conflicts(cell c) const {
         if (is_double) {
             vec q[4];
-            double ww[4], most = 0;
+            double ww[4];
             for (int k = 0; k < 4; ++k) {
-                const vertex v = c->vertex(k);
-                if (v == infinite_) return dt_.side_of_sphere(c, at_, true) == CGAL::ON_BOUNDED_SIDE;
-                q[k] = to_vec(v->point()) - place_;
+                q[k] = to_vec(c->vertex(k)->point()) - place_;
                 ww[k] = dot(q[k], q[k]);
-                if (ww[k] > most) most = ww[k];
             }
-            const int found = in_sphere(q, ww, most);
+            const int found = in_sphere(q[0], q[1], q[2], q[3], ww[0], ww[1], ww[2], ww[3]);
             if (found != 0) return found > 0;
         }
         return dt_.side_of_sphere(c, at_, true) == CGAL::ON_BOUNDED_SIDE;
     }
+    // Whether that is so of the neighbour across the face opposite slot `k` of a cell in conflict. `apex` is the neighbour's fourth vertex; the others
+    // are corners already. With it in that slot of the cell, the corners are those of the neighbour negatively oriented; in the order that begins at
+    // slot k once more so if k is odd. An infinite cell is in conflict with what lies beyond its finite face; so it is with what is just
+    // on it, if that is in the face's circle.
+    bool conflicts(cell across, const std::array<place, 4>& own, int k, const corner& apex) const {
+        if (is_double) {
+            const corner &a = corners_[own[(k + 1) & 3]], &b = corners_[own[(k + 2) & 3]], &c = corners_[own[(k + 3) & 3]];
+            if (apex.v == infinite_) return beyond(across, a, b, c, (k & 1) != 0);
+            if (a.v == infinite_) return beyond(across, apex, b, c, (k & 1) == 0);
+            if (b.v == infinite_) return beyond(across, apex, a, c, (k & 1) != 0);
+            if (c.v == infinite_) return beyond(across, apex, a, b, (k & 1) == 0);
+            const int found = in_sphere(apex.from, a.from, b.from, c.from, apex.squared, a.squared, b.squared, c.squared);
+            if (found != 0) return (found > 0) == ((k & 1) != 0);
+        }
+        return dt_.side_of_sphere(across, at_, true) == CGAL::ON_BOUNDED_SIDE;
+    }
+
+    // The same for an infinite cell with the finite face a b c, from the other side of which the point is seen as `positive` says.
+    bool beyond(cell across, const corner& a, const corner& b, const corner& c, bool positive) const {
+        const int side = orientation(a.from, b.from, c.from, a.squared, b.squared, c.squared);
+        if (side != 0) return (side > 0) == positive;
+        for (int axis = 0; axis < 3; ++axis)
+            if (a.at[axis] == place_[axis] && b.at[axis] == place_[axis] && c.at[axis] == place_[axis]) {
+                const int found = in_circle(a.from, b.from, c.from, a.squared, b.squared, c.squared, axis);
+                if (found != 0) return found > 0;
+            }
+        return dt_.side_of_sphere(across, at_, true) == CGAL::ON_BOUNDED_SIDE;
+    }
 
     void search(cell start) {
         cells_.clear();
+        cell_corners_.clear();
+        entries_.clear();
         outline_.clear();
+        labels_.clear();
+        corners_.clear();
         if (++search_ == 0) seen_.assign(seen_.size(), {}), search_ = 1;
+        if (++turn_ == 0) table_.assign(table_.size(), {}), turn_ = 1;
         seen_count_ = 0;
         cells_.push_back(start);
+        entries_.push_back(-1);
         for (int j = 0; j < 4; ++j) fetch(start->neighbor(j));
         see(start).inside = 1;
-        for (std::size_t n = 0; n < cells_.size(); ++n)
+        std::array<place, 4> own;
+        corner apex;
+        for (int k = 0; k < 4; ++k) {
+            look_at(start->vertex(k), apex);
+            own[k] = place_at(apex);
+        }
+        cell_corners_.push_back(own);
+        for (std::size_t n = 0; n < cells_.size(); ++n) {
+            const cell c = cells_[n];
+            const int entry = entries_[n];
+            own = cell_corners_[n];
             for (int k = 0; k < 4; ++k) {
-                const cell c = cells_[n], across = c->neighbor(k);
+                if (k == entry) continue;
+                const cell across = c->neighbor(k);
                 const std::size_t before = seen_count_;
                 visited& seen = see(across);
-                if (seen_count_ != before && conflicts(across)) {
-                    seen.inside = 1;
-                    cells_.push_back(across);
-                    for (int j = 0; j < 4; ++j) fetch(across->neighbor(j));
+                if (seen_count_ != before) {
+                    const int opposite = across->index(c);
+                    look_at(across->vertex(opposite), apex);
+                    if (conflicts(across, own, k, apex)) {
+                        seen.inside = 1;
+                        add(across, opposite, own, k, apex);
+                    }
                 }
-                if (seen.inside == 0) outline_.emplace_back(c, k);
+                if (seen.inside == 0) {
+                    outline_.emplace_back(c, k);
+                    labels_.push_back({own[(k + 1) & 3], own[(k + 2) & 3], own[(k + 3) & 3]});
+                }
             }
+        }
+    }
+    // A further cell in conflict, across slot `k` of one with the corners `own`.
+    void add(cell c, int opposite, const std::array<place, 4>& own, int k, const corner& apex) {
+        std::array<place, 4> places;
+        const place a = own[(k + 1) & 3], b = own[(k + 2) & 3], d = own[(k + 3) & 3];
+        const vertex at_a = corners_[a].v, at_b = corners_[b].v;
+        for (int i = 0; i < 4; ++i) {
+            if (i == opposite) continue;
+            const vertex v = c->vertex(i);
+            places[i] = v == at_a ? a : v == at_b ? b : d;
+            fetch(c->neighbor(i));
+        }
+        places[opposite] = place_at(apex);
+        cells_.push_back(c);
+        cell_corners_.push_back(places);
+        entries_.push_back(opposite);
     }
     // What is known of a cell; a new entry if it has not been seen.
     visited& see(cell c) {
@@ -226,42 +304,35 @@ private:
         }
     }
 
-    // The outline's vertices, each once.
-    void gather() {
-        corners_.clear();
-        labels_.clear();
-        // By Euler's formula: n vertices, 2n - 4 faces.
-        const std::size_t most = outline_.size() / 2 + 2;
-        while (table_.size() < 4 * most) table_ = std::vector<label>(2 * table_.size());
-        if (width_ < most) {
-            width_ = 2 * most;
-            open_.assign(width_ * width_, std::uint32_t(none));
+    void look_at(vertex v, corner& c) const {
+        c.v = v;
+        if (v == infinite_) {
+            c.at = c.from = vec{};
+            c.squared = std::numeric_limits<double>::infinity();
+            return;
         }
-        if (++turn_ == 0) table_.assign(table_.size(), {}), turn_ = 1;
-        for (const facet& f : outline_) {
-            std::array<std::uint32_t, 3> three;
-            for (int k = 0; k < 3; ++k) three[k] = label_of(f.first->vertex((f.second + 1 + k) & 3));
-            labels_.push_back(three);
-        }
+        c.at = to_vec(v->point());
+        c.from = c.at - place_;
+        c.squared = dot(c.from, c.from);
     }
-    std::uint32_t label_of(vertex v) {
+    // The place of a corner, a new one if it has none.
+    place place_at(const corner& c) {
+        if (table_.size() < 4 * (corners_.size() + 1)) {
+            table_ = std::vector<label>(2 * table_.size());
+            for (std::size_t n = 0; n < corners_.size(); ++n) label_of(corners_[n].v) = {corners_[n].v, turn_, static_cast<place>(n)};
+        }
+        label& l = label_of(c.v);
+        if (l.turn != turn_) {
+            l = {c.v, turn_, static_cast<place>(corners_.size())};
+            corners_.push_back(c);
+        }
+        return l.number;
+    }
+    label& label_of(vertex v) {
         const std::uintptr_t hash = (reinterpret_cast<std::uintptr_t>(&*v) >> 3) * 0x9E3779B97F4A7C15u >> 32;
         for (std::size_t i = hash;; ++i) {
             label& l = table_[i & (table_.size() - 1)];
-            if (l.turn != turn_) {
-                l.v = v;
-                l.turn = turn_;
-                l.number = static_cast<std::uint32_t>(corners_.size());
-                corner c{v, {}, {}, 0, labels_.size()};
-                if (v != infinite_) {
-                    c.at = to_vec(v->point());
-                    c.from = c.at - place_;
-                    c.squared = dot(c.from, c.from);
-                }
-                corners_.push_back(c);
-                return l.number;
-            }
-            if (l.v == v) return l.number;
+            if (l.turn != turn_ || l.v == v) return l;
         }
     }
 
@@ -274,9 +345,11 @@ private:
     std::uint32_t search_ = 0;
     std::size_t seen_count_ = 0;
     std::vector<cell> cells_, star_;
+    std::vector<std::array<place, 4>> cell_corners_;
+    std::vector<int> entries_;  // the slot of each cell in conflict that leads to the one before it
     std::vector<facet> outline_;
     std::vector<corner> corners_;
-    std::vector<std::array<std::uint32_t, 3>> labels_;  // of each face of the outline
+    std::vector<std::array<place, 3>> labels_;  // the corners of each face of the outline
     std::vector<label> table_ = std::vector<label>(256);
     std::uint32_t turn_ = 0;
     std::size_t width_ = 0;

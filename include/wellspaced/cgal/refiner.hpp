@@ -166,8 +166,11 @@ private:
 
     // After an insertion and what the boundary makes of it.
     void finish(vertex v, origin from) {
-        for (const auto& bad : hole_.judged())
-            if (boundary_.contains(bad.at)) queue_.push(bad.at, bad.squared);
+        const auto* added = boundary_.look(v);
+        for (const auto& bad : hole_.judged()) {
+            const cell c = hole_.star()[bad.star];
+            if (boundary_.contains(c, added, hole_.star_corners(bad.star))) queue_.push(c, bad.squared);
+        }
         on_insert_(v, from);
     }
 
@@ -215,7 +218,9 @@ private:
             blocked_segments_.insert(e);
             return;
         }
-        boundary_.encroached_by(hole_.at(), hole_.cells(), found_);
+        boundary_.look_around(hole_);
+        boundary_.encroached_segments(hole_, found_.segments);
+        boundary_.encroached_facets(hole_, found_.facets);
         const vertex v = insert();
         const std::size_t segments = segments_.size(), facets = facets_.size();
         for (const edge_key& part : boundary_.split(e, v))
@@ -231,7 +236,8 @@ private:
             blocked_facets_.insert(f);
             return;
         }
-        boundary_.encroached_by(hole_.at(), hole_.cells(), found_);
+        boundary_.look_around(hole_);
+        boundary_.encroached_segments(hole_, found_.segments);
         bool deferred = false;
         for (const edge_key& e : found_.segments)
             if (!blocked_segments_.count(e)) {
@@ -242,6 +248,7 @@ private:
             facets_.push_front(f);
             return;
         }
+        boundary_.encroached_facets(hole_, found_.facets);
         const vertex v = insert();
         const std::size_t segments = segments_.size(), facets = facets_.size();
         boundary_.split(f, v);
@@ -257,16 +264,20 @@ private:
         int i, j;
         for (const edge_key& e : found_.segments)
             if (boundary_.is_segment(e) && !blocked_segments_.count(e) &&
-                (boundary_.vertex_encroaches(v, e) || !dt_.is_edge(e[0], e[1], c, i, j)))
+                (boundary_.may_encroach(v, e) || !dt_.is_edge(e[0], e[1], c, i, j)))
                 segments_.push_back(e);
         for (const face_key& f : found_.facets)
-            if (!blocked_facets_.count(f) && boundary_.vertex_encroaches(v, f)) facets_.push_back(f);
-        for (const cell& at : hole_.star()) {
-            if (!boundary_.contains(at)) continue;
-            const int own = at->index(v);
-            for (int slot = 0; slot < 4; ++slot) {
-                if (slot == own || !boundary_.is_wall(at, slot)) continue;
-                const face_key f = boundary_.key(facet(at, slot));
+            if (!blocked_facets_.count(f) && boundary_.may_encroach(v, f)) facets_.push_back(f);
+        const auto* added = boundary_.look(v);
+        for (std::size_t n = 0; n < hole_.star().size(); ++n) {
+            const cell at = hole_.star()[n];
+            const auto& places = hole_.star_corners(n);
+            for (int k = 0; k < 3; ++k) {
+                // The face of the new vertex and the two other corners.
+                const auto *b = boundary_.known(places[(k + 1) % 3]), *d = boundary_.known(places[(k + 2) % 3]);
+                const int slot = (hole_.slot_in_star(n) + 1 + k) & 3;
+                if (!b || !d || !boundary_.is_wall(at, slot, added, b, d) || !boundary_.contains(at, added, places)) continue;
+                const face_key f = boundary_type::key(added, b, d);
                 if (boundary_.vertex_encroaches(at->vertex(slot), f) ||
                     boundary_.vertex_encroaches(dt_.mirror_vertex(at, slot), f))
                     facets_.push_back(f);
@@ -357,8 +368,11 @@ private:
         bool closed = false;
         link_.clear();
         if (options_.rule != WSP_RULE_CIRCUMCENTER) {
+            // No wall has a free vertex, nor is a cell with one flat.
+            const bool is_free = !boundary_.look(c->vertex(slots[0])) || !boundary_.look(c->vertex(slots[1]));
             const auto wall = [&](cell at, int slot) {
-                return !boundary_.contains(at->neighbor(slot)) || boundary_.is_wall(at, slot);
+                const cell next = at->neighbor(slot);
+                return is_free ? !boundary_.contains_round(next) : !boundary_.contains(next) || boundary_.is_wall(at, slot);
             };
             closed = link_of<Dt>(c, slots[0], slots[1], wall, link_);
         }
@@ -376,28 +390,23 @@ private:
         points_.resize(count);
     }
 
-    // Where there are no two vertices of the boundary there is nothing to encroach upon.
-    bool near_boundary() const {
-        return hole_.count([&](vertex v) { return boundary_.look(v) != nullptr; }) > 1;
-    }
-    bool all_inside() {
-        found_.clear();
-        for (const cell& c : hole_.cells())
-            if (!boundary_.contains(c)) return false;
-        return true;
-    }
-
     // Rule 3.
     placed place(vec& s, cell near) {
         if (!usable(s) || !hole_.find(s, near)) return placed::refused;
-        const bool inside = near_boundary() ? boundary_.encroached_by(hole_.at(), hole_.cells(), found_) : all_inside();
-        if (!found_.empty()) {
-            const auto blocked = [](const auto& set) { return [&](const auto& item) { return set.count(item) != 0; }; };
-            auto &e = found_.segments;
-            auto &f = found_.facets;
-            e.erase(std::remove_if(e.begin(), e.end(), blocked(blocked_segments_)), e.end());
+        const bool inside = boundary_.look_around(hole_);
+        const auto blocked = [](const auto& set) { return [&](const auto& item) { return set.count(item) != 0; }; };
+        auto &e = found_.segments;
+        auto &f = found_.facets;
+        boundary_.encroached_segments(hole_, e);
+        bool encroaches = !e.empty();
+        e.erase(std::remove_if(e.begin(), e.end(), blocked(blocked_segments_)), e.end());
+        f.clear();
+        if (e.empty()) {
+            boundary_.encroached_facets(hole_, f);
+            encroaches = encroaches || !f.empty();
             f.erase(std::remove_if(f.begin(), f.end(), blocked(blocked_facets_)), f.end());
-            if (!e.empty()) f.clear();
+        }
+        if (encroaches) {
             if (options_.rule == WSP_RULE_SPARSE) boundary_.keep_nearest(s, found_);
             segments_.insert(segments_.end(), e.begin(), e.end());
             facets_.insert(facets_.end(), f.begin(), f.end());
