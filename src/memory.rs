@@ -63,7 +63,11 @@ pub(crate) fn filled<'a, T: Copy + Send + 'static>(
 }
 
 /// A copy of a list; [`Error::Cancelled`] when the control says so before it is whole.
-pub(crate) fn copied<T: Copy + Send + 'static>(from: &[T], what: &'static str, control: &Control) -> Result<Vec<T>, Error> {
+pub(crate) fn copied<T: Copy + Send + 'static>(
+    from: &[T],
+    what: &'static str,
+    control: &Control,
+) -> Result<Vec<T>, Error> {
     let mut list = room_in_pieces(from.len(), what, control)?;
     for block in from.chunks(BLOCK) {
         control.check()?;

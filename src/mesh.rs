@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::leavings::{InPieces, Leavings};
 use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
@@ -16,7 +17,6 @@ use crate::refine::Unrefined;
 use crate::sparsify::{Sparsifier, Sparsify};
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
-use crate::leavings::{InPieces, Leavings};
 use crate::{memory, Control, Error, LogLevel, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// Why tetrahedra were left as they are, by their vertices.

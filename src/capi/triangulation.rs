@@ -161,9 +161,7 @@ pub unsafe extern "C" fn wsp_triangulation_from_plc(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_triangulation_use_hull_as_domain(triangulation: *mut wsp_triangulation) -> wsp_status {
     // SAFETY: NULL or live.
-    call("wsp_triangulation_use_hull_as_domain", || unsafe {
-        change(triangulation, Mesh::use_hull_as_domain)
-    })
+    call("wsp_triangulation_use_hull_as_domain", || unsafe { change(triangulation, Mesh::use_hull_as_domain) })
 }
 
 /// wsp_triangulation_use_hull_as_domain that `control`, which may be NULL, cancels: WSP_CANCELLED then, and nothing has changed.
@@ -184,10 +182,7 @@ pub unsafe extern "C" fn wsp_triangulation_use_hull_as_domain_within(
 ///
 /// # Safety
 /// `triangulation` is NULL or live.
-unsafe fn change(
-    triangulation: *mut wsp_triangulation,
-    change: impl FnOnce(&mut Mesh) -> Result<(), Error>,
-) -> Answer {
+unsafe fn change(triangulation: *mut wsp_triangulation, change: impl FnOnce(&mut Mesh) -> Result<(), Error>) -> Answer {
     // SAFETY: as the caller promises.
     let mut state = unsafe { args::reference(triangulation, "triangulation")? }.handle.write()?;
     match state.change(change) {

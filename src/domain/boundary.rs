@@ -14,9 +14,9 @@ use super::facet::FacetTriangulation;
 use super::pending::Demand;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::leavings::{InPieces, Leavings};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, Tetrahedron, GHOST};
-use crate::leavings::{InPieces, Leavings};
 use crate::triangulation::{Defect, Triangulation};
 use crate::{memory, Control, DVec3, Error};
 

@@ -15,9 +15,9 @@ use super::planar::{facet_normal, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
+use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::leavings::InPieces;
 use crate::{Control, DomainElement, Error};
 
 fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {

@@ -2,9 +2,9 @@
 
 use super::boundary::Boundary;
 use super::plc::PlcRegion;
+use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::{Defect, Location, Triangulation};
-use crate::leavings::InPieces;
 use crate::{memory, Control, DVec3, Error};
 
 /// The label of tetrahedra outside the domain, ghosts included.
@@ -47,7 +47,9 @@ impl Boundary {
         let mut ghosts = Vec::new();
         for (i, part) in t.topology.tets.chunks(PART).enumerate() {
             control.check()?;
-            ghosts.extend((i * PART..).zip(part).filter(|(_, tet)| tet.is_live() && tet.is_ghost()).map(|(t, _)| t as u32));
+            ghosts.extend(
+                (i * PART..).zip(part).filter(|(_, tet)| tet.is_live() && tet.is_ghost()).map(|(t, _)| t as u32),
+            );
         }
         flood(ghosts, OUTSIDE)?;
         for &hole in holes {
@@ -64,7 +66,9 @@ impl Boundary {
         let turns = control.turns();
         let parts_labels = self.subfacets.keys().all(|&face| {
             turns.go_on()
-                && t.topology.find_face(face).is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
+                && t.topology
+                    .find_face(face)
+                    .is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
         });
         turns.end()?;
         self.parts_labels = parts_labels;

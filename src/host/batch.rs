@@ -21,12 +21,12 @@ use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::encroaches_facet;
 use crate::geometry::quality::{exceeds_radius_edge, EDGES};
 use crate::geometry::{check_range, flush_tiny};
+use crate::leavings::InPieces;
 use crate::refine::check_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, Rule};
-use crate::triangulation::topology::tet_of;
-use crate::leavings::InPieces;
 use crate::sorting::sort_by;
+use crate::triangulation::topology::tet_of;
 use crate::{memory, Control, DVec3, Error, Origin, StepOptions};
 
 /// Edges longer than this many times the shortest bad one that can be mended wait for a later round.

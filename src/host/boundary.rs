@@ -15,8 +15,8 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::quality::EDGES;
 use crate::geometry::Sign;
-use crate::triangulation::topology::tet_of;
 use crate::sorting::sort;
+use crate::triangulation::topology::tet_of;
 use crate::{Control, DVec3, Error};
 
 const ON_SEGMENT: u8 = 1;

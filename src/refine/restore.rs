@@ -98,20 +98,30 @@ impl Refiner<'_> {
             Element::Segment(edge) => self.split_segment(edge, demand)?,
             Element::Facet(face) => self.split_facet(face, demand)?,
         };
-        if !self.boundary.misses() {
-            return Ok(split);
-        }
+        let mut complete = !self.boundary.misses();
+        let follows = !complete;
         let mut first = Vec::new();
-        for _ in 0..FOLLOWING {
+        for _ in 0..if follows { FOLLOWING } else { 0 } {
             match self.recovery_step(&mut first, demand.following())? {
                 Step::Nothing => {
-                    let vertices: Vec<u32> = self.records.iter().map(|record| record.vertex).collect();
-                    let stars = vertices.iter().flat_map(|&v| self.t.topology.star(v)).collect();
-                    self.relabel(stars)?;
-                    return Ok(split);
+                    complete = true;
+                    break;
                 }
                 Step::Split => {}
                 Step::Stuck => break,
+            }
+        }
+        if complete {
+            let vertices = self.records.iter().map(|record| record.vertex);
+            let stars: Vec<u32> = vertices.flat_map(|v| self.t.topology.star(v)).collect();
+            let mut sound = !follows && !self.leaks(&stars);
+            if !sound {
+                self.relabel(stars.clone())?;
+                // Where rounding has put a vertex beside its facet, what is beyond may have come to the other side.
+                sound = !self.leaks(&stars);
+            }
+            if sound {
+                return Ok(split);
             }
         }
         self.take_back()?;
@@ -128,6 +138,21 @@ impl Refiner<'_> {
         if !self.boundary.recovering {
             self.records.push(Record { vertex, inserted, before, changes });
         }
+    }
+
+    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet.
+    fn leaks(&self, tets: &[u32]) -> bool {
+        let region = &self.t.topology.region;
+        if region.is_empty() {
+            return false;
+        }
+        let leaks = |&tet: &u32| {
+            let tetrahedron = self.t.topology.tet(tet);
+            let label = |tet: u32| region[tet as usize];
+            let differs = |slot: &usize| label(tet) != label(tet_of(tetrahedron.n[*slot]));
+            (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(tetrahedron.face(slot)))
+        };
+        tets.iter().any(leaks)
     }
 
     /// Takes all splits of the transaction back.

@@ -13,8 +13,8 @@ use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::geometry::{check_range, flush_tiny};
 use crate::sampler::{sample_edge, Rule};
-use crate::triangulation::cavity::Cavity;
 use crate::sorting::sort;
+use crate::triangulation::cavity::Cavity;
 use crate::{memory, Control, Error, Mesh};
 
 /// Where a Steiner point comes from.

@@ -377,3 +377,32 @@ fn removed_input_points_do_not_spoil_the_predicates() {
     let (low, high) = mesh.triangulation().bounding_box();
     assert!(low.is_finite() && high.is_finite(), "{low} {high}");
 }
+
+#[test]
+fn a_split_beside_a_nearly_flat_edge_of_the_hull_leaks_no_label() {
+    // Two corners are a unit in the last place apart. The 185th vertex, a split of the hull's edge between the first and the sixth, comes to lie beside a
+    // facet, so that what was outside it is inside.
+    let points = [
+        [-8.0, 7.0, -6.0],
+        [3.9999999999999996, -4.0, -8.0],
+        [-8.000000000000002, 7.0, -6.0],
+        [-5.0, -8.0, -4.9],
+        [-8.0, -8.0, 0.1],
+        [0.1, 0.1, 0.1],
+        [0.1, 0.1, -5.0],
+        [-5.0, -5.0, -5.0],
+        [-8.0, -5.9, -8.0],
+        [-7.0, -8.0, 1.1],
+        [-5.0, -3.0000000000000004, -8.0],
+        [-8.0, -8.0, -7.0],
+    ];
+    let mut mesh = Mesh::new();
+    mesh.insert(&points.map(DVec3::from), None, &Control::new()).unwrap();
+    mesh.use_hull_as_domain().unwrap();
+    for max_vertices in (180..190).chain([281]) {
+        let rule = Rule::Circumcenter;
+        let options = RefineOptions { rule, radius_edge: 1.5, max_vertices, ..RefineOptions::default() };
+        mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+    }
+}

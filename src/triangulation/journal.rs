@@ -130,12 +130,16 @@ mod tests {
 
     fn points(count: usize, seed: u64) -> Vec<DVec3> {
         let coordinate = |i: u64| (super::super::order::splitmix(i) % 23) as f64;
-        (0..count as u64).map(|i| 3 * i + seed).map(|i| DVec3::new(coordinate(i), coordinate(i + 1), coordinate(i + 2))).collect()
+        (0..count as u64)
+            .map(|i| 3 * i + seed)
+            .map(|i| DVec3::new(coordinate(i), coordinate(i + 1), coordinate(i + 2)))
+            .collect()
     }
 
     /// Everything, storage included.
     fn state(t: &Triangulation) -> impl PartialEq {
-        let tets: Vec<_> = t.topology.tets.iter().map(|tet| (tet.v, if tet.is_live() { tet.n } else { [NONE; 4] })).collect();
+        let tets: Vec<_> =
+            t.topology.tets.iter().map(|tet| (tet.v, if tet.is_live() { tet.n } else { [NONE; 4] })).collect();
         let topology = (tets, t.topology.vertex_tet.clone(), t.topology.free.clone(), t.topology.ghosts);
         // NaN is not equal to itself.
         let points: Vec<_> = t.points.iter().map(|p| p.to_array().map(f64::to_bits)).collect();

@@ -297,7 +297,8 @@ mod tests {
         let (pending, present): (Vec<u32>, Vec<u32>) = (0..39_000).partition(|i| i % 3 != 0);
         for kind in [Planes::AlongAxes, Planes::Oblique] {
             let division = Division::new(sampled(&points), pending.len(), 3, kind);
-            let (zone, partition) = division.share(&points, &pending, present.iter().copied(), &Control::new()).unwrap();
+            let (zone, partition) =
+                division.share(&points, &pending, present.iter().copied(), &Control::new()).unwrap();
             assert_eq!(partition.count(), 8);
             assert!(zone.is_sorted());
             assert!(zone.len() > pending.len() / 50 && zone.len() < pending.len() * 9 / 10, "{}", zone.len());

@@ -241,12 +241,7 @@ impl Triangulation {
         Ok(())
     }
 
-    fn fill(
-        &self,
-        go_on: &dyn Fn() -> bool,
-        is_wall: &dyn Fn([u32; 3]) -> bool,
-        hole: &mut Hole,
-    ) -> Result<(), Error> {
+    fn fill(&self, go_on: &dyn Fn() -> bool, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
         if self.dimension() < 3 {
             hole.flat = true;
             return match hole.add.and_then(|p| self.lower.find(p)) {

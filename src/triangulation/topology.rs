@@ -320,13 +320,7 @@ impl Topology {
 
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices. Where memory is lacking or the control says
     /// stop, half of it may be done.
-    pub fn renumber(
-        &mut self,
-        new_id: &[u32],
-        count: usize,
-        threads: usize,
-        control: &Control,
-    ) -> Result<(), Error> {
+    pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize, control: &Control) -> Result<(), Error> {
         const PART: usize = 1 << 15;
         let more = count.saturating_sub(self.vertex_tet.len());
         memory::reserve(&mut self.vertex_tet, more, "vertices")?;
@@ -388,7 +382,11 @@ impl Topology {
             control.check()?;
             place.extend(part.iter().map(|tet| {
                 live += u32::from(tet.is_live());
-                if tet.is_live() { live - 1 } else { NONE }
+                if tet.is_live() {
+                    live - 1
+                } else {
+                    NONE
+                }
             }));
         }
         let mut copy = InPieces::new(Topology { ghosts: self.ghosts, ..Topology::default() }, control);

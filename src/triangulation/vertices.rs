@@ -171,7 +171,11 @@ impl Triangulation {
         compact.gaps.free.extend(self.gaps.free.iter().filter(|&&v| v < first));
         let count = compact.points.len();
         (compact.topology, compact.last) = self.topology.compacted(&new_id, count, self.last, control)?;
-        compact.lower = if self.dimension() < 3 { compact.lower_without(&[], control)?.0 } else { self.lower.try_clone(control)? };
+        compact.lower = if self.dimension() < 3 {
+            compact.lower_without(&[], control)?.0
+        } else {
+            self.lower.try_clone(control)?
+        };
         Ok((compact.keep(), new_id.keep()))
     }
 }
