@@ -92,8 +92,10 @@ impl Encroached {
 pub(crate) struct Standing {
     pub kind: u8,
     pub carrier: Carrier,
-    /// The subsegment that is split, and its segment.
-    pub edge: Option<([u32; 2], u32)>,
+    /// The subsegment that is split, if it is one, and its parts, each with its segment. Parts may be there already.
+    pub segments: Vec<([u32; 2], Option<u32>)>,
+    /// The subfacets that go and come, likewise: near small angles one may come in two facets.
+    pub facets: Vec<([u32; 3], Option<u32>)>,
 }
 
 /// How a boundary element stands in the triangulation.
