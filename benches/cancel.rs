@@ -205,7 +205,12 @@ fn main() {
     });
     let points = scattered(1_000_000);
     let box_of = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(2.0), points);
-    measure("a box with 1000000 points", 16, || (), |(), control| {
-        let _ = Mesh::from_plc(&box_of, control);
-    });
+    measure(
+        "a box with 1000000 points",
+        16,
+        || (),
+        |(), control| {
+            let _ = Mesh::from_plc(&box_of, control);
+        },
+    );
 }

@@ -8,6 +8,9 @@ use crate::Control;
 /// Bytes of a piece: some tenths of a millisecond.
 const PIECE: usize = 1 << 22;
 
+/// Blocks of this alignment and less are changed where they are.
+const ALIGNED: usize = 16;
+
 /// What has memory to give back.
 pub(crate) trait Leavings: Send {
     /// Gives a piece of it back; `false` when there is none left but what a drop takes no time for.
@@ -22,10 +25,11 @@ impl<T: Send> Leavings for Vec<T> {
             return false;
         }
         self.clear();
-        if self.capacity() <= piece {
+        // Allocators cut off the end of a large block where it is. Not where the alignment is a large one: then Rust moves what remains, so that
+        // it is given back whole.
+        if self.capacity() <= piece || align_of::<T>() > ALIGNED {
             *self = Vec::new();
         } else {
-            // Allocators cut off the end of a large block where it is.
             self.shrink_to(self.capacity() - piece);
         }
         true

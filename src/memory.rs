@@ -68,7 +68,17 @@ pub(crate) fn copied<T: Copy + Send + 'static>(
     what: &'static str,
     control: &Control,
 ) -> Result<Vec<T>, Error> {
-    let mut list = room_in_pieces(from.len(), what, control)?;
+    copied_with_room(from, 0, what, control)
+}
+
+/// [`copied`], with room for so many more elements: where the alignment is a large one, to make it later would be another copy.
+pub(crate) fn copied_with_room<T: Copy + Send + 'static>(
+    from: &[T],
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<Vec<T>, Error> {
+    let mut list = room_in_pieces(from.len() + more, what, control)?;
     for block in from.chunks(BLOCK) {
         control.check()?;
         list.extend_from_slice(block);

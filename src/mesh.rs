@@ -644,7 +644,7 @@ impl Mesh {
         const WHAT: &str = "view";
         let topology = &self.t.topology;
         let mut number = memory::room_in_pieces(topology.tets.len(), WHAT, control)?;
-        let mut inside = memory::room_in_pieces::<u32>(0, WHAT, control)?;
+        let mut inside = memory::room_in_pieces::<u32>(topology.finite_count(), WHAT, control)?;
         for t in 0..topology.tets.len() as u32 {
             if t as usize % BLOCK == 0 {
                 if !control.report("view", 0.5 * f64::from(t) / topology.tets.len() as f64, self.t.vertex_count()) {

@@ -31,6 +31,8 @@ pub struct Inserted {
 
 /// Fewer points than these are inserted one by one, with a [journal](super::journal) to go back by; for more there is a copy.
 const FEW: usize = 1024;
+/// How many tetrahedra a point brings, and a little more.
+const TETRAHEDRA_A_POINT: usize = 8;
 /// Points that are checked between two looks at the control.
 const PART: usize = 1 << 16;
 
@@ -91,8 +93,9 @@ impl Triangulation {
         } else if points.len() < FEW {
             Before::Journal(Journal::new(self))
         } else {
-            match self.try_clone(control) {
-                Ok(copy) => Before::Copy(copy),
+            // The work is done on the copy, which has the room for it.
+            match self.try_clone_with_room(TETRAHEDRA_A_POINT * points.len(), control) {
+                Ok(copy) => Before::Copy(std::mem::replace(self, copy)),
                 Err(Error::Cancelled) => return Ok(None),
                 Err(error) => return Err(error),
             }

@@ -109,12 +109,17 @@ impl Leavings for Triangulation {
 impl Triangulation {
     /// A copy, unless memory is lacking; [`Error::Cancelled`] when the control says stop. Scratch memory is not copied.
     pub fn try_clone(&self, control: &Control) -> Result<Triangulation, Error> {
+        self.try_clone_with_room(0, control)
+    }
+
+    /// [`try_clone`](Self::try_clone), with room for so many more tetrahedra.
+    fn try_clone_with_room(&self, more: usize, control: &Control) -> Result<Triangulation, Error> {
         let Triangulation { filter, last, threads, .. } = self;
         let (filter, last, threads) = (filter.clone(), *last, *threads);
         let mut copy = InPieces::new(Triangulation { filter, last, threads, ..Triangulation::default() }, control);
         copy.points = memory::copied(&self.points, "points", control)?;
         copy.gaps = self.gaps.try_clone(control)?;
-        copy.topology = self.topology.try_clone(control)?;
+        copy.topology = self.topology.try_clone(more, control)?;
         copy.lower = self.lower.try_clone(control)?;
         Ok(copy.keep())
     }

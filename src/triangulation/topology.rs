@@ -154,10 +154,10 @@ impl Topology {
         memory::reserve(&mut self.vertex_tet, 1, "vertices")
     }
 
-    /// A copy, unless memory is lacking or the control says stop.
-    pub(super) fn try_clone(&self, control: &Control) -> Result<Topology, Error> {
+    /// A copy with room for so many more tetrahedra, unless memory is lacking or the control says stop.
+    pub(super) fn try_clone(&self, more: usize, control: &Control) -> Result<Topology, Error> {
         let mut copy = InPieces::new(Topology { ghosts: self.ghosts, ..Topology::default() }, control);
-        copy.tets = memory::copied(&self.tets, "tetrahedra", control)?;
+        copy.tets = memory::copied_with_room(&self.tets, more, "tetrahedra", control)?;
         copy.vertex_tet = memory::copied(&self.vertex_tet, "vertices", control)?;
         copy.region = memory::copied(&self.region, "regions", control)?;
         copy.free = memory::copied(&self.free, "tetrahedra", control)?;
