@@ -16,8 +16,8 @@ use crate::{memory, Control, Error};
 enum Before {
     Nothing,
     Same,
-    Journal(Journal),
-    Copy(Triangulation),
+    Journal(Box<Journal>),
+    Copy(Box<Triangulation>),
 }
 
 /// What became of an inserted point.
@@ -91,18 +91,18 @@ impl Triangulation {
             // That changes nothing when it fails.
             Before::Same
         } else if points.len() < FEW {
-            Before::Journal(Journal::new(self))
+            Before::Journal(Box::new(Journal::new(self)))
         } else {
             // The work is done on the copy, which has the room for it.
             match self.try_clone_with_room(TETRAHEDRA_A_POINT * points.len(), control) {
-                Ok(copy) => Before::Copy(std::mem::replace(self, copy)),
+                Ok(copy) => Before::Copy(Box::new(std::mem::replace(self, copy))),
                 Err(Error::Cancelled) => return Ok(None),
                 Err(error) => return Err(error),
             }
         };
         let mut before = before;
         let journal = match &mut before {
-            Before::Journal(journal) => Some(journal),
+            Before::Journal(journal) => Some(&mut **journal),
             _ => None,
         };
         let inserted = match self.insert_all(points, journal, control) {
@@ -111,12 +111,12 @@ impl Triangulation {
         };
         let done = matches!(inserted, Ok(Some(_)));
         match before {
-            Before::Copy(copy) if done => control.give_back(copy),
+            Before::Copy(copy) if done => control.give_back(*copy),
             _ if done => {}
             Before::Nothing => self.clear(control),
             Before::Same => {}
             Before::Journal(journal) => journal.undo(self),
-            Before::Copy(copy) => control.give_back(std::mem::replace(self, copy)),
+            Before::Copy(copy) => control.give_back(std::mem::replace(self, *copy)),
         }
         inserted
     }
