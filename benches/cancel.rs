@@ -4,7 +4,8 @@
 
 use std::time::{Duration, Instant};
 
-use wellspaced::{Control, DVec3, Mesh, Plc, RefineOptions};
+use wellspaced::host::{sample_arrays, Arrays};
+use wellspaced::{Control, DVec3, Mesh, Plc, RefineOptions, Sparsify, StepOptions};
 
 fn scattered(count: usize) -> Vec<DVec3> {
     let mut state = 7u64;
@@ -127,21 +128,89 @@ fn main() {
                 mesh.insert(&more, None, control).unwrap();
             },
         );
+        let few = &more[..1000];
+        measure(
+            &format!("insert 1000 more into {count}"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                mesh.insert(few, None, control).unwrap();
+            },
+        );
+        measure(
+            &format!("hull of {count} as domain"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                let _ = mesh.use_hull_as_domain_within(control);
+            },
+        );
+        measure(
+            &format!("bad short edges of {count}"),
+            6,
+            || (),
+            |(), control| {
+                let _ = mesh.bad_short_edges_within(2.0, control);
+            },
+        );
+        let view = mesh.view();
+        let (points, tetrahedra, neighbours) = (view.points, view.tetrahedra, view.neighbours);
+        for neighbours in [neighbours, &[]] {
+            let arrays = Arrays { points, tetrahedra, neighbours, ..Arrays::default() };
+            measure(
+                &format!("a round on arrays of {count}, {} neighbours", neighbours.len()),
+                8,
+                || (),
+                |(), control| {
+                    let _ = sample_arrays(&arrays, &StepOptions::default(), control);
+                },
+            );
+        }
         let limits = RefineOptions { max_vertices: count + count / 20, ..RefineOptions::default() };
         measure(
             &format!("refine {count}, begun"),
-            6,
+            24,
             || mesh.try_clone(&Control::new()).unwrap(),
             |mesh, control| {
                 mesh.refine(&limits, control).unwrap();
             },
         );
     }
+    // A vertex with all others around it.
+    let on_sphere = |p: DVec3| (p * 2.0 - 1.0).normalize();
+    let mut sphere = Mesh::new();
+    let around: Vec<DVec3> = scattered(100_000).into_iter().map(on_sphere).chain([DVec3::ZERO]).collect();
+    sphere.insert(&around, None, &Control::new()).unwrap();
+    let fresh = || sphere.try_clone(&Control::new()).unwrap();
+    measure("remove a vertex with 100000 neighbours", 12, fresh, |mesh, control| {
+        let _ = mesh.remove_within(100_000, control);
+    });
+    let flat = |p: DVec3| p.with_z(0.0);
+    measure("insert 1000000 in a plane", 8, Mesh::new, |mesh, control| {
+        let points: Vec<DVec3> = scattered(1_000_000).into_iter().map(flat).collect();
+        mesh.insert(&points, None, control).unwrap();
+    });
     let on_ellipsoid = |p: DVec3| (p * 2.0 - 1.0).normalize() * DVec3::new(0.8, 0.5, 0.35);
     let plc = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(1.0), scattered(10_000).into_iter().map(on_ellipsoid));
     let fresh = || Mesh::from_plc(&plc, &Control::new()).unwrap();
     let options = RefineOptions { radius_edge: 1.1, max_vertices: 150_000, ..RefineOptions::default() };
-    measure("refine an ellipsoid, bound 1.1", 12, fresh, |mesh, control| {
+    measure("refine an ellipsoid, bound 1.1", 24, fresh, |mesh, control| {
         mesh.refine(&options, control).unwrap();
     });
+    let mut refined = fresh();
+    refined.refine(&RefineOptions { sparsify: Some(Sparsify::Off), ..options }, &Control::new()).unwrap();
+    let fresh = || refined.try_clone(&Control::new()).unwrap();
+    measure("sparsify it, bound 2", 24, fresh, |mesh, control| {
+        mesh.sparsify(2.0, Sparsify::Quick, control).unwrap();
+    });
+    let points = scattered(1_000_000);
+    let box_of = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(2.0), points);
+    measure(
+        "a box with 1000000 points",
+        16,
+        || (),
+        |(), control| {
+            let _ = Mesh::from_plc(&box_of, control);
+        },
+    );
 }

@@ -16,7 +16,7 @@ static void check_(int holds, const char *text, int line) {
     ++checks;
     if (!holds) {
         ++failures;
-        fprintf(stderr, "line %d: does not hold: %s (last error: %s)\n", line, text, wsp_last_error());
+        (void)fprintf(stderr, "line %d: does not hold: %s (last error: %s)\n", line, text, wsp_last_error());
     }
 }
 
@@ -24,8 +24,8 @@ static void status_(wsp_status expected, wsp_status status, const char *text, in
     ++checks;
     if (status != expected) {
         ++failures;
-        fprintf(stderr, "line %d: %s: status %ld (%s), expected %ld (%s); last error: %s\n", line, text, (long)status,
-                wsp_status_string(status), (long)expected, wsp_status_string(expected), wsp_last_error());
+        (void)fprintf(stderr, "line %d: %s: status %ld (%s), expected %ld (%s); last error: %s\n", line, text, (long)status,
+                      wsp_status_string(status), (long)expected, wsp_status_string(expected), wsp_last_error());
     }
 }
 
@@ -110,7 +110,7 @@ static wsp_plc *boxed(size_t points) {
 
 static void test_versions(void) {
     char expected[64];
-    sprintf(expected, "%d.%d.%d", WSP_VERSION_MAJOR, WSP_VERSION_MINOR, WSP_VERSION_PATCH);
+    CHECK(snprintf(expected, sizeof expected, "%d.%d.%d", WSP_VERSION_MAJOR, WSP_VERSION_MINOR, WSP_VERSION_PATCH) > 0);
     CHECK(strcmp(wsp_version(), expected) == 0);
     CHECK(wsp_abi_version() == WSP_ABI_VERSION);
     CHECK(strcmp(wsp_status_string(WSP_DONE), "done") == 0);
@@ -344,7 +344,8 @@ static void test_steps(void) {
             CHECK((origin.kind == WSP_ORIGIN_SAMPLE) == (origin.vertices[0] == WSP_NONE));
             if (ids[i] == WSP_NONE) continue;
             DONE(wsp_triangulation_point(t, ids[i], p));
-            CHECK(memcmp(p, wsp_batch_points(batch) + 3 * i, sizeof p) == 0);
+            const double *placed = wsp_batch_points(batch) + 3 * i;
+            CHECK(p[0] == placed[0] && p[1] == placed[1] && p[2] == placed[2]);
         }
         STATUS(WSP_ERR_STALE, wsp_triangulation_insert_batch(t, batch, NULL));
         wsp_batch_free(batch);

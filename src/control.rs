@@ -4,8 +4,11 @@
 //! load, and the progress callback runs only every few hundred insertions. Where nothing is inserted, it looks at the control
 //! about every millisecond.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::leavings::Leavings;
 
 /// What a long call is doing now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,11 +41,22 @@ pub type LogCallback = dyn Fn(LogLevel, &str) + Send + Sync;
 /// A handle through which a host follows and cancels a long call.
 ///
 /// Clones share the cancel flag and the callback. `Control::default()` never cancels.
+///
+/// A cancelled call returns within some milliseconds. It does not wait for the system to take back large memory: that stays with the control until
+/// it is [reset](Self::reset) or dropped.
 #[derive(Clone, Default)]
 pub struct Control {
-    cancel: Arc<AtomicBool>,
+    shared: Arc<Shared>,
     progress: Option<Arc<ProgressCallback>>,
     log: Option<Arc<LogCallback>>,
+}
+
+/// What clones have in common.
+#[derive(Default)]
+struct Shared {
+    cancel: AtomicBool,
+    /// What cancelled calls had no time to give back.
+    leavings: Mutex<Vec<Box<dyn Leavings>>>,
 }
 
 impl Control {
@@ -70,17 +84,39 @@ impl Control {
 
     /// Asks the running call, and every later one with this control, to stop. Any thread may call it.
     pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
+        self.shared.cancel.store(true, Ordering::Relaxed);
     }
 
-    /// Takes a cancellation back, so that the control can be used again.
+    /// Takes a cancellation back, so that the control can be used again, and gives back the memory that cancelled calls have left.
     pub fn reset(&self) {
-        self.cancel.store(false, Ordering::Relaxed);
+        self.shared.cancel.store(false, Ordering::Relaxed);
+        let left = std::mem::take(&mut *self.left());
+        drop(left);
+    }
+
+    fn left(&self) -> std::sync::MutexGuard<'_, Vec<Box<dyn Leavings>>> {
+        self.shared.leavings.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives memory back in pieces; what is left of it after a cancellation stays here.
+    pub(crate) fn give_back(&self, mut leavings: impl Leavings + 'static) {
+        while self.poll() {
+            if !leavings.give_back() {
+                return;
+            }
+        }
+        self.left().push(Box::new(leavings));
+    }
+
+    /// How many things cancelled calls have left here.
+    #[cfg(test)]
+    pub(crate) fn leavings(&self) -> usize {
+        self.left().len()
     }
 
     /// Whether [`cancel`](Self::cancel) was called.
     pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+        self.shared.cancel.load(Ordering::Relaxed)
     }
 
     /// Reports progress. Returns `false` when the call shall stop.
@@ -109,9 +145,89 @@ impl Control {
         }
     }
 
+    /// For a loop of small turns: looks at the control in some of them.
+    pub(crate) fn turns(&self) -> Turns<'_> {
+        Turns { control: self, turn: Cell::new(0), stopped: Cell::new(false) }
+    }
+
+    /// For work that is shared out among threads.
+    pub(crate) fn watch(&self) -> Watch<'_> {
+        Watch { control: self, stopped: AtomicBool::new(false) }
+    }
+
     /// The cheap question of a loop's every turn.
     pub(crate) fn poll(&self) -> bool {
         !self.is_cancelled()
+    }
+}
+
+/// Looks at a control in some turns of a loop. Who has once been told to stop is told so ever after: a cancellation may be taken back meanwhile, but
+/// what was left out is still to be done.
+pub(crate) struct Turns<'a> {
+    control: &'a Control,
+    turn: Cell<u32>,
+    stopped: Cell<bool>,
+}
+
+impl Turns<'_> {
+    /// Whether to go on.
+    #[inline]
+    pub fn go_on(&self) -> bool {
+        self.turn.set(self.turn.get().wrapping_add(1));
+        if self.turn.get() % 256 == 0 && !self.control.poll() {
+            self.stopped.set(true);
+        }
+        !self.stopped.get()
+    }
+
+    /// [`go_on`](Self::go_on) as a result.
+    #[inline]
+    pub fn check(&self) -> Result<(), crate::Error> {
+        if self.go_on() {
+            Ok(())
+        } else {
+            Err(crate::Error::Cancelled)
+        }
+    }
+
+    /// An error if any turn was told to stop.
+    pub fn end(&self) -> Result<(), crate::Error> {
+        if self.stopped.get() {
+            Err(crate::Error::Cancelled)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The same for several threads, and at once.
+pub(crate) struct Watch<'a> {
+    control: &'a Control,
+    stopped: AtomicBool,
+}
+
+impl Watch<'_> {
+    /// Whether to go on.
+    pub fn poll(&self) -> bool {
+        if !self.control.poll() {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        !self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// [`poll`](Self::poll) as a result.
+    pub fn check(&self) -> Result<(), crate::Error> {
+        self.poll();
+        self.end()
+    }
+
+    /// An error if any thread was told to stop. To be asked when they are done.
+    pub fn end(&self) -> Result<(), crate::Error> {
+        if self.stopped.load(Ordering::Relaxed) {
+            Err(crate::Error::Cancelled)
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -24,10 +24,12 @@ pub mod domain;
 mod error;
 pub mod geometry;
 pub mod host;
+mod leavings;
 mod memory;
 pub mod mesh;
 pub mod refine;
 pub mod sampler;
+mod sorting;
 pub mod sparsify;
 pub mod triangulation;
 

@@ -1,6 +1,7 @@
 //! Memory for what grows with the mesh: where there is none, that is an error of the call and not the end of the process. Lists that stay
 //! small are left to the language, which has no answer to that.
 
+use crate::leavings::InPieces;
 use crate::{Control, Error};
 
 /// Elements copied between two looks at the control.
@@ -15,6 +16,11 @@ pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> 
     list.try_reserve(more).map_err(none_for(what))
 }
 
+/// [`reserve`], and no more than that.
+pub(crate) fn reserve_exact<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> Result<(), Error> {
+    list.try_reserve_exact(more).map_err(none_for(what))
+}
+
 /// An empty list with room for so many elements.
 pub(crate) fn with_room<T>(count: usize, what: &'static str) -> Result<Vec<T>, Error> {
     let mut list = Vec::new();
@@ -22,21 +28,62 @@ pub(crate) fn with_room<T>(count: usize, what: &'static str) -> Result<Vec<T>, E
     Ok(list)
 }
 
-/// A list of so many zeros.
-pub(crate) fn zeroed<T: Copy + Default>(count: usize, what: &'static str) -> Result<Vec<T>, Error> {
-    let mut list = with_room(count, what)?;
-    list.resize(count, T::default());
+/// An empty list with room for so many elements, that is given back in pieces.
+pub(crate) fn room_in_pieces<'a, T: Send + 'static>(
+    count: usize,
+    what: &'static str,
+    control: &'a Control,
+) -> Result<InPieces<'a, Vec<T>>, Error> {
+    Ok(InPieces::new(with_room(count, what)?, control))
+}
+
+/// A list of so many zeros; [`Error::Cancelled`] when the control says so before it is whole.
+pub(crate) fn zeroed<'a, T: Copy + Default + Send + 'static>(
+    count: usize,
+    what: &'static str,
+    control: &'a Control,
+) -> Result<InPieces<'a, Vec<T>>, Error> {
+    filled(count, T::default(), what, control)
+}
+
+/// [`zeroed`], with another value.
+pub(crate) fn filled<'a, T: Copy + Send + 'static>(
+    count: usize,
+    value: T,
+    what: &'static str,
+    control: &'a Control,
+) -> Result<InPieces<'a, Vec<T>>, Error> {
+    let mut list = room_in_pieces(count, what, control)?;
+    while list.len() < count {
+        control.check()?;
+        let end = count.min(list.len() + BLOCK);
+        list.resize(end, value);
+    }
     Ok(list)
 }
 
 /// A copy of a list; [`Error::Cancelled`] when the control says so before it is whole.
-pub(crate) fn copied<T: Copy>(from: &[T], what: &'static str, control: &Control) -> Result<Vec<T>, Error> {
-    let mut list = with_room(from.len(), what)?;
+pub(crate) fn copied<T: Copy + Send + 'static>(
+    from: &[T],
+    what: &'static str,
+    control: &Control,
+) -> Result<Vec<T>, Error> {
+    copied_with_room(from, 0, what, control)
+}
+
+/// [`copied`], with room for so many more elements: where the alignment is a large one, to make it later would be another copy.
+pub(crate) fn copied_with_room<T: Copy + Send + 'static>(
+    from: &[T],
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<Vec<T>, Error> {
+    let mut list = room_in_pieces(from.len() + more, what, control)?;
     for block in from.chunks(BLOCK) {
         control.check()?;
         list.extend_from_slice(block);
     }
-    Ok(list)
+    Ok(list.keep())
 }
 
 /// The bytes that a list has taken, and those that it will take besides while it next grows, if that is near.

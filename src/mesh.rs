@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::leavings::{InPieces, Leavings};
 use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
@@ -90,8 +91,8 @@ impl Mesh {
 
     /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
     pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        let parts = plc.arrange()?;
-        let mut mesh = Mesh::new();
+        let parts = plc.arrange(control)?;
+        let mut mesh = InPieces::new(Mesh::new(), control);
         mesh.set_threads(threads);
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
         mesh.set_inputs();
@@ -101,81 +102,91 @@ impl Mesh {
             if !plc.segments.is_empty() {
                 return Err(whole("has segments but no facets that enclose a volume"));
             }
-            mesh.use_hull_as_domain()?;
-            return Ok(mesh);
+            mesh.use_hull_as_domain_within(control)?;
+            return Ok(mesh.keep());
         }
         if mesh.t.dimension() < 3 {
             return Err(whole("its points lie in a plane and enclose no volume"));
         }
-        let boundary = Boundary::from_plc(&mesh.t, plc, &parts, &ids)?;
+        let boundary = Boundary::from_plc(&mesh.t, plc, (&parts, &ids), control)?;
         if mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? == RefineStatus::Cancelled {
             return Err(Error::Cancelled);
         }
-        if let Some(error) = mesh.unrecovered() {
+        if let Some(error) = mesh.unrecovered(control)? {
             return Err(error);
         }
         if mesh.inside().next().is_none() {
             return Err(whole("its facets enclose no volume"));
         }
-        Ok(mesh)
+        Ok(mesh.keep())
     }
 
     /// The error for a subsegment or subfacet that recovery had to leave missing.
-    fn unrecovered(&self) -> Option<Error> {
-        let boundary = self.boundary()?;
-        let defect = boundary.first_missing(&self.t)?;
+    fn unrecovered(&self, control: &Control) -> Result<Option<Error>, Error> {
+        let Some(boundary) = self.boundary() else { return Ok(None) };
+        let Some(defect) = boundary.first_missing_within(&self.t, control)? else { return Ok(None) };
         let element = match defect {
             Defect::MissingSubfacet { face } => boundary.facet_of(face).map(crate::DomainElement::Facet),
             _ => None,
         };
         let element = element.unwrap_or(crate::DomainElement::Whole);
-        Some(Error::InvalidDomain { element, problem: format!("can't be recovered by splits: {defect}") })
+        Ok(Some(Error::InvalidDomain { element, problem: format!("can't be recovered by splits: {defect}") }))
     }
 
     /// Makes the convex hull of the present points the domain: its coplanar facets are kept as facets, its other edges as segments.
     /// Below dimension 3 there is no hull, and nothing to refine.
     pub fn use_hull_as_domain(&mut self) -> Result<(), Error> {
+        self.use_hull_as_domain_within(&Control::new())
+    }
+
+    /// [`use_hull_as_domain`](Self::use_hull_as_domain) that a control can cancel: [`Error::Cancelled`], and nothing has changed.
+    pub fn use_hull_as_domain_within(&mut self, control: &Control) -> Result<(), Error> {
         if self.domain.is_some() {
             return Err(Error::Domain { problem: "the mesh has a domain already" });
         }
-        let boundary = if self.t.dimension() == 3 { Boundary::from_hull(&self.t) } else { Boundary::default() };
-        // The hull's facets are faces already: there is nothing to recover, only to label; encroached parts wait for the refinement.
-        self.forget_view();
+        control.check()?;
+        let mut boundary = InPieces::new(Boundary::default(), control);
+        if self.t.dimension() == 3 {
+            // The hull's facets are faces already: there is nothing to recover, only to label; encroached parts wait for the refinement.
+            *boundary = Boundary::from_hull(&self.t, control)?;
+            boundary.find_room(&self.t);
+            boundary.enqueue_all(&self.t, control)?;
+            boundary.label(&mut self.t, &[], &[], control)?;
+        }
         // An id of an input vertex stays one.
         self.t.retire_free_ids();
-        let mut domain = Domain { boundary, ..Domain::default() };
-        if self.t.dimension() == 3 {
-            domain.boundary.find_room(&self.t);
-            domain.boundary.enqueue_all(&self.t);
-            domain.boundary.label(&mut self.t, &[], &[]);
-        }
-        self.domain = Some(domain);
+        self.domain = Some(Domain { boundary: boundary.keep(), ..Domain::default() });
+        self.give_view_back(control);
         Ok(())
     }
 
     fn set_boundary(
         &mut self,
-        mut boundary: Boundary,
+        boundary: Boundary,
         holes: &[DVec3],
         regions: &[PlcRegion],
         control: &Control,
     ) -> Result<RefineStatus, Error> {
+        let mut boundary = InPieces::new(boundary, control);
         let mut status = RefineStatus::Done;
         if self.t.dimension() == 3 {
-            boundary.enqueue_all(&self.t);
+            boundary.enqueue_all(&self.t, control)?;
             boundary.pending_segments.clear();
             boundary.pending_facets.clear();
             // Angles near 0 may ask for splits without end, almost: then the element that is still missing is named.
-            let elements = self.t.vertex_count() + boundary.subsegments().len() + boundary.subfacets().len();
+            let elements = self.t.vertex_count() + boundary.size();
             let max_vertices = RECOVERY_ROOM + RECOVERY_FACTOR.saturating_mul(elements);
             let options = RefineOptions { max_vertices, ..RefineOptions::default() };
             status = Refiner::new(&mut self.t, &mut boundary, &options).recover(control)?;
+            if status == RefineStatus::Cancelled {
+                return Ok(status);
+            }
             boundary.find_room(&self.t);
-            boundary.enqueue_all(&self.t);
-            boundary.label(&mut self.t, holes, regions);
+            boundary.enqueue_all(&self.t, control)?;
+            boundary.label(&mut self.t, holes, regions, control)?;
         }
-        self.forget_view();
-        self.domain = Some(Domain { boundary, regions: regions.to_vec() });
+        self.domain = Some(Domain { boundary: boundary.keep(), regions: regions.to_vec() });
+        self.give_view_back(control);
         Ok(status)
     }
 
@@ -228,7 +239,7 @@ impl Mesh {
             return Err(Error::Domain { problem: "points can't be inserted once the mesh has a domain" });
         }
         let Some(vertices) = self.t.insert_many(points, control)? else { return Ok(false) };
-        self.forget_view();
+        self.give_view_back(control);
         self.set_inputs();
         if let Some(ids) = ids {
             *ids = vertices;
@@ -240,12 +251,18 @@ impl Mesh {
     ///
     /// A mesh with a domain gives no vertex away: [`Error::Domain`]. Cost: see [`Triangulation::remove`].
     pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
+        self.remove_within(vertex, &Control::new())
+    }
+
+    /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed. See
+    /// [`Triangulation::remove_within`].
+    pub fn remove_within(&mut self, vertex: u32, control: &Control) -> Result<(), Error> {
         if self.domain.is_some() {
             return Err(Error::Domain { problem: "vertices can't be removed once the mesh has a domain" });
         }
-        self.t.remove(vertex)?;
+        self.t.remove_within(vertex, control)?;
         self.input_vertices -= usize::from((vertex as usize) < self.input_slots);
-        self.forget_view();
+        self.give_view_back(control);
         Ok(())
     }
 
@@ -269,10 +286,9 @@ impl Mesh {
             let RefineOptions { radius_edge, rule, .. } = options;
             format!("refine: {} vertices, radius-edge bound {radius_edge}, rule {rule:?}", self.t.vertex_count())
         });
-        if self.domain.is_none() {
-            self.use_hull_as_domain()?;
+        if !self.begin_changes(control)? {
+            return Ok(self.unmeasured(RefineStatus::Cancelled));
         }
-        self.forget_view();
         let (mut counts, mut taken) = ([0; 3], [0; 2]);
         let mut reasons = Reasons::default();
         let (mut at_vertices, mut volumes) = (None, Vec::new());
@@ -291,6 +307,7 @@ impl Mesh {
             }
             let mut limits = refiner.limits;
             let result = refiner.refine(control);
+            refiner.give_back_to(control);
             at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
@@ -298,13 +315,15 @@ impl Mesh {
             domain.boundary.kept = false;
             status = self.thin_out(sparsifier, result, (control, &mut limits), &mut taken, &mut reasons)?;
         }
-        tell(control, status, self.t.vertex_count());
-        let mut report = self.report_unless_cancelled(options.radius_edge, status, &reasons);
-        if let Some(at_vertices) = at_vertices.filter(|_| status != RefineStatus::Cancelled) {
+        let mut report = self.report_unless_cancelled(options.radius_edge, status, &reasons, control);
+        if let Some(at_vertices) = at_vertices.filter(|_| report.status != RefineStatus::Cancelled) {
             let mut sizes = Sizes::new(*sizing, &volumes).with_vertices(at_vertices);
-            let inside: Vec<u32> = self.inside().collect();
-            report.too_large = inside.chunks(4096).map(|some| sizes.too_large(&self.t, some).len()).sum();
+            match self.count_too_large(&mut sizes, control) {
+                Ok(count) => report.too_large = count,
+                Err(_) => report = self.unmeasured(RefineStatus::Cancelled),
+            }
         }
+        tell(control, report.status, self.t.vertex_count());
         let waits =
             |boundary: &Boundary| boundary.next_pending_segment().is_some() || boundary.next_pending_facet().is_some();
         let left = report.bad > 0 || report.too_large > 0 || self.boundary().is_some_and(waits);
@@ -339,15 +358,65 @@ impl Mesh {
         *taken = [sparsifier.removed, sparsifier.replaced];
         self.has_gaps |= sparsifier.removed + sparsifier.replaced > 0;
         // After a cancellation the gaps stay for the next call: closing them takes a while.
-        if self.has_gaps && !matches!(result, Ok(RefineStatus::Cancelled)) {
-            self.t.reserve_compact()?;
-            self.has_gaps = false;
-            let new_id = self.t.compact_from(self.input_slots as u32);
-            domain.boundary.renumber(&new_id);
-            let renamed = |v: u32| new_id.get(v as usize).copied().unwrap_or(v);
-            *reasons = reasons.drain().map(|(v, reason)| (v.map(renamed), reason)).collect();
+        sparsifier.give_back(control);
+        if !self.has_gaps || matches!(result, Ok(RefineStatus::Cancelled)) {
+            return result;
         }
-        result
+        match self.close_gaps(reasons, control) {
+            Ok(()) => result,
+            Err(Error::Cancelled) => Ok(RefineStatus::Cancelled),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Gives Steiner points ids without gaps. Nothing has changed after an error.
+    fn close_gaps(&mut self, reasons: &mut Reasons, control: &Control) -> Result<(), Error> {
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let mut boundary = InPieces::new(domain.boundary.try_clone(control)?, control);
+        let (t, new_id) = self.t.compacted(self.input_slots as u32, control)?;
+        let mut t = InPieces::new(t, control);
+        boundary.renumber(&new_id, control)?;
+        let renamed = |v: u32| new_id.get(v as usize).copied().unwrap_or(v);
+        let turns = control.turns();
+        let mut names = Reasons::default();
+        for (v, &reason) in reasons.iter() {
+            turns.check()?;
+            names.insert(v.map(renamed), reason);
+        }
+        // What was there before is given back as these go.
+        std::mem::swap(&mut *t, &mut self.t);
+        std::mem::swap(&mut *boundary, &mut domain.boundary);
+        (*reasons, self.has_gaps) = (names, false);
+        Ok(())
+    }
+
+    /// What comes before changes of a mesh with a domain: the hull becomes the domain if there is none, and the view is given back. False when
+    /// cancelled.
+    fn begin_changes(&mut self, control: &Control) -> Result<bool, Error> {
+        if self.domain.is_none() {
+            match self.use_hull_as_domain_within(control) {
+                Err(Error::Cancelled) => return Ok(false),
+                other => other?,
+            }
+        }
+        self.give_view_back(control);
+        Ok(control.poll())
+    }
+
+    /// How many tetrahedra are larger than was asked for.
+    fn count_too_large(&self, sizes: &mut Sizes<'_>, control: &Control) -> Result<usize, Error> {
+        const PART: usize = 1 << 12;
+        let (mut some, mut count) = (Vec::with_capacity(PART), 0);
+        let mut inside = self.inside();
+        loop {
+            control.check()?;
+            some.clear();
+            some.extend(inside.by_ref().take(PART));
+            if some.is_empty() {
+                return Ok(count);
+            }
+            count += sizes.too_large(&self.t, &some).len();
+        }
     }
 
     /// Takes Steiner points away, or puts one in the place of two, wherever every tetrahedron that comes keeps the bound: see
@@ -361,10 +430,9 @@ impl Mesh {
     /// Cost: some tens of microseconds a Steiner point.
     pub fn sparsify(&mut self, radius_edge: f64, level: Sparsify, control: &Control) -> Result<RefineReport, Error> {
         crate::refine::check_radius_edge(radius_edge)?;
-        if self.domain.is_none() {
-            self.use_hull_as_domain()?;
+        if !self.begin_changes(control)? {
+            return Ok(self.unmeasured(RefineStatus::Cancelled));
         }
-        self.forget_view();
         let (mut taken, mut status) = ([0; 2], RefineStatus::Done);
         if self.t.dimension() == 3 && level != Sparsify::Off {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
@@ -373,7 +441,7 @@ impl Mesh {
             let result = Ok(RefineStatus::Done);
             status = self.thin_out(Some(sparsifier), result, (control, limits), &mut taken, &mut Reasons::default())?;
         }
-        let mut report = self.report_unless_cancelled(radius_edge, status, &Reasons::default());
+        let mut report = self.report_unless_cancelled(radius_edge, status, &Reasons::default(), control);
         if report.bad > 0 && status == RefineStatus::Done {
             report.status = RefineStatus::Unrefined;
         }
@@ -381,33 +449,31 @@ impl Mesh {
         Ok(report)
     }
 
-    /// [`report`](Self::report), without a look at all tetrahedra after a cancellation: it shall be quick.
-    fn report_unless_cancelled(&self, bound: f64, status: RefineStatus, reasons: &Reasons) -> RefineReport {
-        if status != RefineStatus::Cancelled {
-            return self.report_with(bound, status, reasons);
-        }
-        let nan = f64::NAN;
-        RefineReport { worst_radius_edge: nan, min_dihedral_degrees: nan, ..self.report_of([], bound, status, reasons) }
+    /// [`report`](Self::report) with the reasons for which tetrahedra were left, without a look at all of them after a cancellation: it shall be quick.
+    fn report_unless_cancelled(
+        &self,
+        bound: f64,
+        status: RefineStatus,
+        reasons: &Reasons,
+        control: &Control,
+    ) -> RefineReport {
+        let report = if status == RefineStatus::Cancelled {
+            Err(Error::Cancelled)
+        } else {
+            self.report_within(bound, status, reasons, control)
+        };
+        report.unwrap_or_else(|_| self.unmeasured(RefineStatus::Cancelled))
     }
 
     /// The mesh's sizes and quality now.
     pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
-        self.report_with(bound, status, &Reasons::default())
+        let report = self.report_within(bound, status, &Reasons::default(), &Control::new());
+        report.unwrap_or_else(|_| self.unmeasured(status))
     }
 
-    /// [`report`](Self::report) with the reasons for which tetrahedra were left.
-    fn report_with(&self, bound: f64, status: RefineStatus, reasons: &Reasons) -> RefineReport {
-        RefineReport { measured: true, ..self.report_of(self.inside(), bound, status, reasons) }
-    }
-
-    fn report_of(
-        &self,
-        tets: impl IntoIterator<Item = u32>,
-        bound: f64,
-        status: RefineStatus,
-        reasons: &Reasons,
-    ) -> RefineReport {
-        let mut report = RefineReport {
+    /// A report without a look at the tetrahedra.
+    fn unmeasured(&self, status: RefineStatus) -> RefineReport {
+        RefineReport {
             status,
             input_vertices: self.input_vertex_count(),
             vertices: self.t.vertex_count(),
@@ -421,11 +487,28 @@ impl Mesh {
             bad: 0,
             unrefined: [0; Unrefined::ALL.len()],
             too_large: 0,
+            worst_radius_edge: f64::NAN,
+            min_dihedral_degrees: f64::NAN,
+            measured: false,
+        }
+    }
+
+    fn report_within(
+        &self,
+        bound: f64,
+        status: RefineStatus,
+        reasons: &Reasons,
+        control: &Control,
+    ) -> Result<RefineReport, Error> {
+        let mut report = RefineReport {
             worst_radius_edge: 0.0,
             min_dihedral_degrees: 180.0,
-            measured: false,
+            measured: true,
+            ..self.unmeasured(status)
         };
-        for tet in tets {
+        let turns = control.turns();
+        for tet in self.inside() {
+            turns.check()?;
             let corners = self.t.corners(tet);
             report.tetrahedra += 1;
             if exceeds_radius_edge(corners, bound) {
@@ -441,7 +524,7 @@ impl Mesh {
             report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
             report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
         }
-        report
+        Ok(report)
     }
 
     /// Whether a tetrahedron's shortest edge spans an acute input angle.
@@ -458,19 +541,25 @@ impl Mesh {
 
     /// A copy, unless memory is lacking; [`Error::Cancelled`] when the control says stop. The view is not copied.
     pub fn try_clone(&self, control: &Control) -> Result<Mesh, Error> {
-        let t = self.t.try_clone(control)?;
-        if let Some(domain) = &self.domain {
-            // A first attempt, because the copy of maps ends the process when it fails.
-            drop(memory::with_room::<u8>(domain.boundary.bytes(), "boundary")?);
+        let Mesh { input_vertices, input_slots, has_gaps, .. } = *self;
+        let mut copy = InPieces::new(Mesh { input_vertices, input_slots, has_gaps, ..Mesh::default() }, control);
+        copy.t = self.t.try_clone(control)?;
+        if let Some(Domain { boundary, regions }) = &self.domain {
+            copy.domain = Some(Domain { boundary: boundary.try_clone(control)?, regions: regions.clone() });
         }
-        let Mesh { domain, input_vertices, input_slots, has_gaps, .. } = self;
-        let (domain, view) = (domain.clone(), OnceLock::new());
-        Ok(Mesh { t, domain, input_vertices: *input_vertices, input_slots: *input_slots, has_gaps: *has_gaps, view })
+        Ok(copy.keep())
     }
 
     /// Drops the arrays of the view, because what they show changes.
     pub(crate) fn forget_view(&mut self) {
         self.view = OnceLock::new();
+    }
+
+    /// [`forget_view`](Self::forget_view) within a call that can be cancelled.
+    fn give_view_back(&mut self, control: &Control) {
+        if let Some(view) = self.view.take() {
+            control.give_back(view);
+        }
     }
 
     /// The tetrahedra of the domain.
@@ -491,8 +580,16 @@ impl Mesh {
         }
         match &self.domain {
             Some(domain) if level >= 3 && self.t.dimension() == 3 => {
-                let defect = domain.boundary.first_missing(&self.t).or_else(|| domain.boundary.first_leak(&self.t));
-                defect.map_or(Ok(true), Err)
+                let missing = domain.boundary.first_missing_within(&self.t, control);
+                let defect = missing.and_then(|defect| match defect {
+                    None => domain.boundary.first_leak(&self.t, control),
+                    missing => Ok(missing),
+                });
+                match defect {
+                    Ok(None) => Ok(true),
+                    Ok(Some(defect)) => Err(defect),
+                    Err(_) => Ok(false),
+                }
             }
             _ => Ok(true),
         }
@@ -500,9 +597,17 @@ impl Mesh {
 
     /// Checks that every tetrahedron of the domain keeps the radius-edge bound. Exact.
     pub fn validate_quality(&self, bound: f64) -> Result<(), Defect> {
-        match self.inside().find(|&t| exceeds_radius_edge(self.t.corners(t), bound)) {
+        self.validate_quality_within(bound, &Control::new()).map(|_| ())
+    }
+
+    /// [`validate_quality`](Self::validate_quality) that a control can cancel: `Ok(false)` then.
+    pub fn validate_quality_within(&self, bound: f64, control: &Control) -> Result<bool, Defect> {
+        let turns = control.turns();
+        let bad = self.inside().find(|&t| !turns.go_on() || exceeds_radius_edge(self.t.corners(t), bound));
+        match bad {
+            _ if turns.end().is_err() => Ok(false),
             Some(t) => Err(Defect::BadTetrahedron { tetrahedron: self.t.topology.tet(t).v }),
-            None => Ok(()),
+            None => Ok(true),
         }
     }
 
@@ -538,8 +643,8 @@ impl Mesh {
         const BLOCK: usize = 1 << 14;
         const WHAT: &str = "view";
         let topology = &self.t.topology;
-        let mut number = memory::with_room(topology.tets.len(), WHAT)?;
-        let mut inside: Vec<u32> = Vec::new();
+        let mut number = memory::room_in_pieces(topology.tets.len(), WHAT, control)?;
+        let mut inside = memory::room_in_pieces::<u32>(topology.finite_count(), WHAT, control)?;
         for t in 0..topology.tets.len() as u32 {
             if t as usize % BLOCK == 0 {
                 if !control.report("view", 0.5 * f64::from(t) / topology.tets.len() as f64, self.t.vertex_count()) {
@@ -555,11 +660,10 @@ impl Mesh {
             }
         }
         let region = |t: u32| topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)));
-        let mut view = View {
-            tetrahedra: memory::with_room(inside.len(), WHAT)?,
-            neighbours: memory::with_room(inside.len(), WHAT)?,
-            regions: memory::with_room(inside.len(), WHAT)?,
-        };
+        let mut view = InPieces::new(View::default(), control);
+        memory::reserve_exact(&mut view.tetrahedra, inside.len(), WHAT)?;
+        memory::reserve_exact(&mut view.neighbours, inside.len(), WHAT)?;
+        memory::reserve_exact(&mut view.regions, inside.len(), WHAT)?;
         for (i, block) in inside.chunks(BLOCK).enumerate() {
             let fraction = 0.5 + 0.5 * (i * BLOCK) as f64 / inside.len() as f64;
             if !control.report("view", fraction, self.t.vertex_count()) {
@@ -569,7 +673,21 @@ impl Mesh {
             view.neighbours.extend(block.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])));
             view.regions.extend(block.iter().map(|&t| region(t)));
         }
-        Ok(view)
+        Ok(view.keep())
+    }
+}
+
+impl Leavings for View {
+    fn give_back(&mut self) -> bool {
+        self.tetrahedra.give_back() || self.neighbours.give_back() || self.regions.give_back()
+    }
+}
+
+impl Leavings for Mesh {
+    fn give_back(&mut self) -> bool {
+        self.view.get_mut().is_some_and(Leavings::give_back)
+            || self.t.give_back()
+            || self.domain.as_mut().is_some_and(|domain| domain.boundary.give_back())
     }
 }
 

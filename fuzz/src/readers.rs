@@ -38,8 +38,9 @@ pub fn run(data: &[u8]) {
 
 /// Written as a `.poly` file and read again, a complex is the same.
 fn read_back(plc: &wellspaced::Plc) {
-    if plc.points.is_empty() {
-        // Then a `.poly` file takes its points from another.
+    // Without points, a `.poly` file takes them from another; facets without a polygon of three corners are segments there, and lone points.
+    let has_polygon = |facet: &wellspaced::PlcFacet| facet.polygons.iter().any(|polygon| polygon.len() > 2);
+    if plc.points.is_empty() || !plc.facets.iter().all(has_polygon) {
         return;
     }
     let mut text = Vec::new();

@@ -390,6 +390,14 @@ public:
         check(wsp_triangulation_clone(get(), &made));
         return triangulation(made);
     }
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    triangulation clone(const control& control) const {
+        wsp_triangulation* made = nullptr;
+        detail::running_call call;
+        const wsp_status status = call.finish(wsp_triangulation_clone_within(get(), control.get(), &made));
+        if (status == WSP_CANCELLED) throw error(status, wsp_status_string(status));
+        return triangulation(made);
+    }
 
     // The vertex id of each point.
     std::vector<std::uint32_t> insert(points list) {
@@ -415,6 +423,11 @@ public:
 
     // The others keep their ids.
     void remove(std::uint32_t vertex) { check(wsp_triangulation_remove(get(), vertex)); }
+    // WSP_DONE, or WSP_CANCELLED.
+    wsp_status remove(std::uint32_t vertex, const control& control) {
+        detail::running_call call;
+        return call.finish(wsp_triangulation_remove_within(get(), vertex, control.get()));
+    }
 
     void use_hull_as_domain() { check(wsp_triangulation_use_hull_as_domain(get())); }
 

@@ -1,10 +1,11 @@
 //! Looking at a triangulation step by step: its bad short edges, and what is around an edge.
 
 use super::args;
-use super::guard::call;
+use super::control::{self, wsp_control};
+use super::guard::{call, Answer};
 use super::status::*;
 use super::triangulation::wsp_triangulation;
-use crate::{Error, Triangulation};
+use crate::{Control, Error, Triangulation};
 
 /// An edge: the ids of its two vertices, in any order where one is asked for, the lower first where one is given.
 #[repr(C)]
@@ -39,13 +40,51 @@ pub unsafe extern "C" fn wsp_bad_short_edges(
 ) -> wsp_status {
     // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
     call("wsp_bad_short_edges", || unsafe {
+        bad_short_edges(triangulation, radius_edge, (out, capacity, count), &Control::new())
+    })
+}
+
+/// wsp_bad_short_edges that `control`, which may be NULL, cancels: WSP_CANCELLED then, and nothing is written.
+/// Errors: those of wsp_bad_short_edges.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_bad_short_edges_within(
+    triangulation: *const wsp_triangulation,
+    radius_edge: f64,
+    control: *mut wsp_control,
+    out: *mut wsp_edge,
+    capacity: usize,
+    count: *mut usize,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live with the room that its count says, and checked by what takes it.
+    call("wsp_bad_short_edges_within", || unsafe {
+        let control = control::core(control)?;
+        bad_short_edges(triangulation, radius_edge, (out, capacity, count), &control)
+    })
+}
+
+/// # Safety
+/// Each pointer is NULL or live with the room that its count says.
+unsafe fn bad_short_edges(
+    triangulation: *const wsp_triangulation,
+    radius_edge: f64,
+    (out, capacity, count): (*mut wsp_edge, usize, *mut usize),
+    control: &Control,
+) -> Answer {
+    // SAFETY: as the caller promises.
+    unsafe {
         args::list_out(out, capacity, "out", count)?;
         let radius_edge = args::radius_edge(radius_edge)?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
-        let edges: Vec<wsp_edge> =
-            state.mesh.bad_short_edges(radius_edge)?.into_iter().map(|vertices| wsp_edge { vertices }).collect();
-        args::fill(&edges, out, capacity, count)
-    })
+        let edges = match state.mesh.bad_short_edges_within(radius_edge, control) {
+            Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
+            other => other?,
+        };
+        // In place: the two are laid out alike.
+        let edges: Vec<wsp_edge> = edges.into_iter().map(|vertices| wsp_edge { vertices }).collect();
+        let answer = args::fill(&edges, out, capacity, count);
+        control.give_back(edges);
+        answer
+    }
 }
 
 /// Lists the vertices around an edge in order. `*closed` becomes 1 if they form a ring, 0 for a chain: then the edge

@@ -14,10 +14,11 @@ use super::facet::FacetTriangulation;
 use super::pending::Demand;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::leavings::{InPieces, Leavings};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of, Tetrahedron, GHOST};
-use crate::triangulation::Triangulation;
-use crate::{DVec3, Error};
+use crate::triangulation::{Defect, Triangulation};
+use crate::{memory, Control, DVec3, Error};
 
 /// An edge's key: lower vertex first.
 pub fn edge_key([a, b]: [u32; 2]) -> [u32; 2] {
@@ -91,8 +92,10 @@ impl Encroached {
 pub(crate) struct Standing {
     pub kind: u8,
     pub carrier: Carrier,
-    /// The subsegment that is split, and its segment.
-    pub edge: Option<([u32; 2], u32)>,
+    /// The subsegment that is split, if it is one, and its parts, each with its segment. Parts may be there already.
+    pub segments: Vec<([u32; 2], Option<u32>)>,
+    /// The subfacets that go and come, likewise: near small angles one may come in two facets.
+    pub facets: Vec<([u32; 3], Option<u32>)>,
 }
 
 /// How a boundary element stands in the triangulation.
@@ -213,6 +216,11 @@ impl Boundary {
         let mut all: Vec<_> = self.subfacets.iter().map(|(&k, &f)| (k, f)).collect();
         all.sort_unstable();
         all
+    }
+
+    /// Number of subsegments and subfacets.
+    pub(crate) fn size(&self) -> usize {
+        self.subsegments.len() + self.subfacets.len()
     }
 
     /// Whether it bounds nothing.
@@ -425,16 +433,24 @@ impl Boundary {
         found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();
     }
 
-    /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued.
-    pub(crate) fn unblock(&mut self, t: &Triangulation) {
-        let mut segments: Vec<[u32; 2]> = self.blocked_segments.drain().map(|(edge, _)| edge).collect();
-        let mut facets: Vec<[u32; 3]> = self.blocked_facets.drain().map(|(face, _)| face).collect();
+    /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued. Nothing has
+    /// changed when the control says stop.
+    pub(crate) fn unblock(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let mut segments: Vec<[u32; 2]> = self.blocked_segments.keys().copied().collect();
+        let mut facets: Vec<[u32; 3]> = self.blocked_facets.keys().copied().collect();
         segments.sort_unstable();
         facets.sort_unstable();
         let encroached = State::Encroached;
-        segments.retain(|e| self.subsegments.contains_key(e) && self.state_of_segment(t, *e) == encroached);
-        facets.retain(|f| self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
+        let turns = control.turns();
+        segments.retain(|e| {
+            turns.go_on() && self.subsegments.contains_key(e) && self.state_of_segment(t, *e) == encroached
+        });
+        facets.retain(|f| turns.go_on() && self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
+        turns.end()?;
+        self.blocked_segments.clear();
+        self.blocked_facets.clear();
         self.enqueue_first(t, segments, facets);
+        Ok(())
     }
 
     /// Takes out what can't be split as demanded.
@@ -443,24 +459,32 @@ impl Boundary {
         found.facets.retain(|&f| self.waits_facet(f, demand));
     }
 
-    /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation.
-    pub(crate) fn enqueue_all(&mut self, t: &Triangulation) {
+    /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation. Nothing has changed when the
+    /// control says stop.
+    pub(crate) fn enqueue_all(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         let (mut segments, mut facets) = (Vec::new(), Vec::new());
+        let (mut missing_segments, mut missing_facets) = (Vec::new(), Vec::new());
+        let turns = control.turns();
         for (edge, _) in self.subsegments() {
+            turns.check()?;
             match self.state_of_segment(t, edge) {
-                State::Missing => self.missing_segments.push_back(edge),
+                State::Missing => missing_segments.push(edge),
                 State::Encroached => segments.push(edge),
                 State::Clear => {}
             }
         }
         for (face, _) in self.subfacets() {
+            turns.check()?;
             match self.state_of_facet(t, face) {
-                State::Missing => self.missing_facets.push_back(face),
+                State::Missing => missing_facets.push(face),
                 State::Encroached => facets.push(face),
                 State::Clear => {}
             }
         }
+        self.missing_segments.extend(missing_segments);
+        self.missing_facets.extend(missing_facets);
         self.enqueue_first(t, segments, facets);
+        Ok(())
     }
 
     /// Queues elements that no other split has brought about. Of these it is demanded that their splits stay within a fraction of the element.
@@ -578,14 +602,73 @@ impl Boundary {
     }
 
     /// The first missing element: every subsegment is an edge and every subfacet a face of the triangulation when there is none.
-    pub fn first_missing(&self, t: &Triangulation) -> Option<crate::triangulation::Defect> {
-        use crate::triangulation::Defect;
-        let segment = self.subsegments().into_iter().find(|&([a, b], _)| t.topology.find_edge(a, b).is_none());
+    pub fn first_missing(&self, t: &Triangulation) -> Option<Defect> {
+        self.first_missing_within(t, &Control::new()).unwrap_or_default()
+    }
+
+    /// [`first_missing`](Self::first_missing), unless the control says stop.
+    pub(crate) fn first_missing_within(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
+        let turns = control.turns();
+        let stops = |found: bool| found || !turns.go_on();
+        let segment = self.subsegments().into_iter().find(|&([a, b], _)| stops(t.topology.find_edge(a, b).is_none()));
+        turns.end()?;
         if let Some((edge, _)) = segment {
-            return Some(Defect::MissingSubsegment { edge });
+            return Ok(Some(Defect::MissingSubsegment { edge }));
         }
-        let facet = self.subfacets().into_iter().find(|&(face, _)| t.topology.find_face(face).is_none());
-        facet.map(|(face, _)| Defect::MissingSubfacet { face })
+        let facet = self.subfacets().into_iter().find(|&(face, _)| stops(t.topology.find_face(face).is_none()));
+        turns.end()?;
+        Ok(facet.map(|(face, _)| Defect::MissingSubfacet { face }))
+    }
+
+    /// A copy, unless memory is lacking or the control says stop.
+    pub(crate) fn try_clone(&self, control: &Control) -> Result<Boundary, Error> {
+        const WHAT: &str = "boundary";
+        // A first attempt, because the copy of maps ends the process when it fails.
+        drop(memory::with_room::<u8>(self.bytes(), WHAT)?);
+        let mut copy = InPieces::new(Boundary::default(), control);
+        copy.kinds = memory::copied(&self.kinds, WHAT, control)?;
+        copy.carriers = memory::copied(&self.carriers, WHAT, control)?;
+        for part in self.segments.chunks(PART) {
+            control.check()?;
+            copy.segments.extend_from_slice(part);
+        }
+        for part in self.facets.chunks(PART) {
+            control.check()?;
+            copy.facets.extend_from_slice(part);
+        }
+        copy.subsegments = self.subsegments.clone();
+        control.check()?;
+        copy.subfacets = self.subfacets.clone();
+        control.check()?;
+        copy.missing_segments = self.missing_segments.clone();
+        copy.missing_facets = self.missing_facets.clone();
+        copy.pending_segments = self.pending_segments.clone();
+        copy.pending_facets = self.pending_facets.clone();
+        control.check()?;
+        copy.blocked_segments = self.blocked_segments.clone();
+        copy.blocked_facets = self.blocked_facets.clone();
+        control.check()?;
+        copy.sharp_segments = self.sharp_segments.clone();
+        copy.shortest_at = self.shortest_at.clone();
+        copy.room_at = self.room_at.clone();
+        copy.sharpness = self.sharpness.clone();
+        let Boundary { recovering, parts_labels, kept, relaxed, .. } = *self;
+        Ok(Boundary { recovering, parts_labels, kept, relaxed, ..copy.keep() })
+    }
+}
+
+/// Segments or facets copied or given back at once.
+const PART: usize = 1 << 10;
+
+impl Leavings for Boundary {
+    fn give_back(&mut self) -> bool {
+        let Boundary { kinds, carriers, segments, facets, .. } = self;
+        if kinds.give_back() || carriers.give_back() {
+            return true;
+        }
+        segments.truncate(segments.len().saturating_sub(PART));
+        facets.truncate(facets.len().saturating_sub(PART));
+        !(segments.is_empty() && facets.is_empty())
     }
 }
 

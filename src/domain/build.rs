@@ -15,9 +15,10 @@ use super::planar::{facet_normal, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
+use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::{DomainElement, Error};
+use crate::{Control, DomainElement, Error};
 
 fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {
     Error::InvalidDomain { element, problem: problem.into() }
@@ -25,13 +26,21 @@ fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {
 
 impl Boundary {
     /// The boundary of a complex whose points are in the triangulation as vertices `ids`. `parts` is that complex taken apart.
-    pub(crate) fn from_plc(t: &Triangulation, plc: &Plc, parts: &Arrangement, ids: &[u32]) -> Result<Boundary, Error> {
-        let mut boundary = Boundary::default();
+    pub(crate) fn from_plc(
+        t: &Triangulation,
+        plc: &Plc,
+        (parts, ids): (&Arrangement, &[u32]),
+        control: &Control,
+    ) -> Result<Boundary, Error> {
+        let mut boundary = InPieces::new(Boundary::default(), control);
+        let turns = control.turns();
         // All segments first: a facet has to know those that lie in it.
         for segment in &plc.segments {
+            turns.check()?;
             boundary.add_segment(parts, ids, segment.ends, segment.marker);
         }
         for facet in &plc.facets {
+            turns.check()?;
             for polygon in &facet.polygons {
                 for (i, &v) in polygon.iter().enumerate() {
                     boundary.add_segment(parts, ids, [v, polygon[(i + 1) % polygon.len()]], facet.marker);
@@ -40,19 +49,36 @@ impl Boundary {
         }
         let neighbours = boundary.neighbours(t);
         for index in 0..plc.facets.len() {
+            control.check()?;
             let outline = boundary.outline(plc, parts, ids, index, &neighbours);
             boundary.add_facet(t, index, &plc.facets[index], outline)?;
         }
-        boundary.find_acute(t);
-        boundary.find_shortest(t);
-        boundary.find_sharp(t);
-        Ok(boundary)
+        boundary.find_angles(t, control)?;
+        Ok(boundary.keep())
+    }
+
+    /// What small angles ask for.
+    fn find_angles(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        control.check()?;
+        self.find_acute(t);
+        control.check()?;
+        self.find_shortest(t);
+        control.check()?;
+        self.find_sharp(t);
+        control.check()
     }
 
     /// The hull as boundary: exactly coplanar hull facets are joined, the edges between others are segments.
-    pub(crate) fn from_hull(t: &Triangulation) -> Boundary {
-        let mut boundary = Boundary::default();
-        let ghosts: Vec<u32> = t.topology.live().filter(|&g| t.topology.tet(g).is_ghost()).collect();
+    pub(crate) fn from_hull(t: &Triangulation, control: &Control) -> Result<Boundary, Error> {
+        let mut boundary = InPieces::new(Boundary::default(), control);
+        let turns = control.turns();
+        let mut ghosts: Vec<u32> = Vec::new();
+        for g in t.topology.live() {
+            turns.check()?;
+            if t.topology.tet(g).is_ghost() {
+                ghosts.push(g);
+            }
+        }
         let mut facet_of: FxHashMap<u32, u32> = FxHashMap::default();
         for &seed in &ghosts {
             if facet_of.contains_key(&seed) {
@@ -65,6 +91,7 @@ impl Boundary {
             let mut group = vec![seed];
             let mut triangles = Vec::new();
             while let Some(ghost) = group.pop() {
+                turns.check()?;
                 let tet = t.topology.tet(ghost);
                 triangles.push(tet.face(3));
                 for slot in 0..3 {
@@ -91,6 +118,7 @@ impl Boundary {
             boundary.facets.push(facet);
         }
         for &ghost in &ghosts {
+            turns.check()?;
             let tet = t.topology.tet(ghost);
             for slot in 0..3 {
                 let across = tet_of(tet.n[slot]);
@@ -109,10 +137,8 @@ impl Boundary {
                 }
             }
         }
-        boundary.find_acute(t);
-        boundary.find_shortest(t);
-        boundary.find_sharp(t);
-        boundary
+        boundary.find_angles(t, control)?;
+        Ok(boundary.keep())
     }
 
     /// Adds a segment or a facet's side, cut at the vertices that lie on it. Parts that exist already stay as they are.

@@ -2,9 +2,10 @@
 
 use super::boundary::Boundary;
 use super::plc::PlcRegion;
+use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::{Defect, Location, Triangulation};
-use crate::DVec3;
+use crate::{memory, Control, DVec3, Error};
 
 /// The label of tetrahedra outside the domain, ghosts included.
 pub const OUTSIDE: u16 = 0;
@@ -12,13 +13,24 @@ pub const OUTSIDE: u16 = 0;
 pub const INSIDE: u16 = 1;
 
 impl Boundary {
-    /// Labels all tetrahedra. The subfacets must all be faces of the triangulation.
-    pub(crate) fn label(&mut self, t: &mut Triangulation, holes: &[DVec3], regions: &[PlcRegion]) {
+    /// Labels all tetrahedra. The subfacets must all be faces of the triangulation. Nothing has changed when memory is lacking or the control says
+    /// stop.
+    pub(crate) fn label(
+        &mut self,
+        t: &mut Triangulation,
+        holes: &[DVec3],
+        regions: &[PlcRegion],
+        control: &Control,
+    ) -> Result<(), Error> {
         const UNKNOWN: u16 = u16::MAX;
-        let mut labels = vec![UNKNOWN; t.topology.tets.len()];
+        /// Tetrahedra between two looks at the control.
+        const PART: usize = 1 << 14;
+        let mut labels = memory::filled(t.topology.tets.len(), UNKNOWN, "regions", control)?;
+        let turns = control.turns();
         let mut flood = |seeds: Vec<u32>, label: u16| {
-            let mut queue = seeds;
+            let mut queue = InPieces::new(seeds, control);
             while let Some(tet) = queue.pop() {
+                turns.check()?;
                 if labels[tet as usize] != UNKNOWN {
                     continue;
                 }
@@ -30,37 +42,53 @@ impl Boundary {
                     }
                 }
             }
+            Ok(())
         };
-        let ghosts = t.topology.live().filter(|&g| t.topology.tet(g).is_ghost()).collect();
-        flood(ghosts, OUTSIDE);
+        let mut ghosts = Vec::new();
+        for (i, part) in t.topology.tets.chunks(PART).enumerate() {
+            control.check()?;
+            ghosts.extend(
+                (i * PART..).zip(part).filter(|(_, tet)| tet.is_live() && tet.is_ghost()).map(|(t, _)| t as u32),
+            );
+        }
+        flood(ghosts, OUTSIDE)?;
         for &hole in holes {
-            flood(t.tetrahedra_at(hole), OUTSIDE);
+            flood(t.tetrahedra_at(hole), OUTSIDE)?;
         }
         for (i, region) in regions.iter().enumerate() {
-            flood(t.tetrahedra_at(region.point), u16::try_from(i + 2).unwrap_or(UNKNOWN - 1).min(UNKNOWN - 1));
+            flood(t.tetrahedra_at(region.point), u16::try_from(i + 2).unwrap_or(UNKNOWN - 1).min(UNKNOWN - 1))?;
         }
-        for label in &mut labels {
-            if *label == UNKNOWN {
-                *label = INSIDE;
-            }
+        for part in labels.chunks_mut(PART) {
+            control.check()?;
+            part.iter_mut().filter(|label| **label == UNKNOWN).for_each(|label| *label = INSIDE);
         }
-        t.topology.region = labels;
-        let label = |face: u32| t.topology.region[tet_of(face) as usize];
-        self.parts_labels = self.subfacets.keys().all(|&face| {
-            t.topology.find_face(face).is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
+        let label = |face: u32| labels[tet_of(face) as usize];
+        let turns = control.turns();
+        let parts_labels = self.subfacets.keys().all(|&face| {
+            turns.go_on()
+                && t.topology
+                    .find_face(face)
+                    .is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
         });
+        turns.end()?;
+        self.parts_labels = parts_labels;
+        t.topology.region = labels.keep();
+        Ok(())
     }
 
-    /// The first face that parts two labels and is no subfacet.
-    pub(crate) fn first_leak(&self, t: &Triangulation) -> Option<Defect> {
+    /// The first face that parts two labels and is no subfacet, unless the control says stop.
+    pub(crate) fn first_leak(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
         let label = |tet: u32| t.topology.region.get(tet as usize);
-        t.topology.live().find_map(|tet| {
+        let turns = control.turns();
+        let leak = t.topology.live().find_map(|tet| {
             let tetrahedron = t.topology.tet(tet);
             let leaks = |&slot: &usize| {
-                label(tet) != label(tet_of(tetrahedron.n[slot])) && !self.is_subfacet(tetrahedron.face(slot))
+                !turns.go_on()
+                    || label(tet) != label(tet_of(tetrahedron.n[slot])) && !self.is_subfacet(tetrahedron.face(slot))
             };
             (0..4).find(leaks).map(|slot| Defect::LabelLeak { face: tetrahedron.face(slot) })
-        })
+        });
+        turns.end().map(|()| leak)
     }
 }
 

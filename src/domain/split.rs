@@ -118,10 +118,16 @@ impl Boundary {
         t.relabel_flat(new, &change.removed, star);
     }
 
-    /// How the vertex stands on the boundary, and what subsegment a split at it goes through.
-    pub(crate) fn standing(&self, vertex: u32, edge: Option<[u32; 2]>) -> Standing {
-        let known = |edge: [u32; 2]| self.subsegments.get(&edge_key(edge)).map(|&segment| (edge_key(edge), segment));
-        Standing { kind: self.kind(vertex), carrier: self.carrier(vertex), edge: edge.and_then(known) }
+    /// How a vertex stands on the boundary before the split of `edge` or of a subfacet at it, with these changes.
+    pub(crate) fn standing(&self, vertex: u32, edge: Option<[u32; 2]>, changes: &[(u32, FacetChange)]) -> Standing {
+        let parts = edge.into_iter().flat_map(|[a, b]| [[a, b], [a, vertex], [vertex, b]].map(edge_key));
+        let faces = changes.iter().flat_map(|(_, change)| change.removed.iter().chain(&change.created));
+        Standing {
+            kind: self.kind(vertex),
+            carrier: self.carrier(vertex),
+            segments: parts.map(|part| (part, self.subsegments.get(&part).copied())).collect(),
+            facets: faces.map(|&face| face_key(face)).map(|key| (key, self.subfacets.get(&key).copied())).collect(),
+        }
     }
 
     /// Takes a split at a vertex back. The triangulation in space does not matter.
@@ -129,11 +135,17 @@ impl Boundary {
         for (facet, change) in changes.into_iter().rev() {
             self.exchange(facet, &FacetChange { removed: change.created, created: change.removed });
         }
-        if let Some((edge, segment)) = before.edge {
-            for end in edge {
-                self.subsegments.remove(&edge_key([end, vertex]));
-            }
-            self.subsegments.insert(edge, segment);
+        for &(edge, known) in &before.segments {
+            match known {
+                Some(segment) => self.subsegments.insert(edge, segment),
+                None => self.subsegments.remove(&edge),
+            };
+        }
+        for &(face, known) in &before.facets {
+            match known {
+                Some(facet) => self.subfacets.insert(face, facet),
+                None => self.subfacets.remove(&face),
+            };
         }
         self.unmark(vertex);
         if before.kind != 0 {

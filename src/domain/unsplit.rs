@@ -11,6 +11,7 @@ use super::boundary::{edge_key, face_key, Boundary, ON_FACET, ON_SEGMENT};
 use super::facet::{FacetChange, InSpace};
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
+use crate::{Control, Error};
 
 /// What the boundary would be without some vertices.
 #[derive(Clone, Debug, Default)]
@@ -260,14 +261,19 @@ impl Boundary {
     }
 
     /// Gives the vertices new ids, `u32::MAX` for those that are gone.
-    pub(crate) fn renumber(&mut self, new_id: &[u32]) {
+    ///
+    /// Half of it may be done when the control says stop.
+    pub(crate) fn renumber(&mut self, new_id: &[u32], control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         let renamed = |v: u32| new_id.get(v as usize).copied().unwrap_or(v);
         let gone = |v: &u32| renamed(*v) == u32::MAX;
         let (kinds, carriers) = (std::mem::take(&mut self.kinds), std::mem::take(&mut self.carriers));
         for (v, kind) in kinds.into_iter().enumerate().filter(|&(v, kind)| kind != 0 && !gone(&(v as u32))) {
+            turns.check()?;
             self.mark(renamed(v as u32), kind);
         }
         for (v, carrier) in carriers.into_iter().enumerate().filter(|&(v, _)| !gone(&(v as u32))) {
+            turns.check()?;
             let carrier = match carrier {
                 Carrier::Vertex(v) => Carrier::Vertex(renamed(v)),
                 other => other,
@@ -278,12 +284,16 @@ impl Boundary {
             segment.ends = segment.ends.map(renamed);
         }
         for facet in &mut self.facets {
+            turns.check()?;
             facet.renumber(renamed);
         }
+        control.check()?;
         let edge = |edge: [u32; 2]| edge_key(edge.map(renamed));
         let face = |face: [u32; 3]| face_key(face.map(renamed));
         self.subsegments = self.subsegments.drain().map(|(key, segment)| (edge(key), segment)).collect();
+        control.check()?;
         self.subfacets = self.subfacets.drain().map(|(key, facet)| (face(key), facet)).collect();
+        control.check()?;
         self.pending_segments.retain(|(key, _)| !key.iter().any(gone));
         self.pending_facets.retain(|(key, _)| !key.iter().any(gone));
         self.pending_segments.iter_mut().for_each(|(key, _)| *key = edge(*key));
@@ -293,6 +303,7 @@ impl Boundary {
         self.blocked_segments =
             segments.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (edge(k), reach)).collect();
         self.blocked_facets = facets.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (face(k), reach)).collect();
+        Ok(())
     }
 
     /// Takes a change of the boundary back.

@@ -21,11 +21,13 @@ use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::encroaches_facet;
 use crate::geometry::quality::{exceeds_radius_edge, EDGES};
 use crate::geometry::{check_range, flush_tiny};
+use crate::leavings::InPieces;
 use crate::refine::check_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, Rule};
+use crate::sorting::sort_by;
 use crate::triangulation::topology::tet_of;
-use crate::{Control, DVec3, Error, Origin, StepOptions};
+use crate::{memory, Control, DVec3, Error, Origin, StepOptions};
 
 /// Edges longer than this many times the shortest bad one that can be mended wait for a later round.
 pub const WINDOW: f64 = 1.5;
@@ -95,8 +97,22 @@ pub fn sample_arrays(
     control: &Control,
 ) -> Result<Option<ArrayBatch>, Error> {
     check_radius_edge(options.radius_edge)?;
-    let mesh = Mesh::new(arrays)?;
-    let boundary = Boundary::new(&mesh, arrays)?;
+    match sample(arrays, options, control) {
+        Ok(batch) => Ok(Some(batch)),
+        Err(Error::Cancelled) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Result<ArrayBatch, Error> {
+    let mut mesh = Mesh::new(arrays, control)?;
+    let boundary = match Boundary::new(&mesh, arrays, control) {
+        Ok(boundary) => boundary,
+        Err(error) => {
+            mesh.give_back_to(control);
+            return Err(error);
+        }
+    };
     let (low, high) = mesh.filter.bounding_box();
     let mut round = Round {
         taken: vec![false; mesh.tets.len()],
@@ -113,31 +129,41 @@ pub fn sample_arrays(
         link: Vec::new(),
         batch: ArrayBatch::default(),
     };
-    Ok(round.run(control).then_some(round.batch))
+    let done = round.run(control);
+    round.mesh.give_back_to(control);
+    control.give_back(std::mem::take(&mut round.taken));
+    done.map(|()| round.batch)
 }
 
 /// A bad tetrahedron: its shortest edge's squared length, as bits that sort like it, and the edge.
 type Bad = (u64, [u32; 2], u32);
 
 impl Round<'_> {
-    fn run(&mut self, control: &Control) -> bool {
-        let encroached = self.boundary.encroached_by_vertices(&self.mesh);
+    fn run(&mut self, control: &Control) -> Result<(), Error> {
+        let encroached = self.boundary.encroached_by_vertices(&self.mesh, control)?;
         self.batch.encroached = encroached.segments.len() + encroached.facets.len();
         for &edge in &encroached.segments {
+            control.check()?;
             let outcome = self.split_segment(edge, [NONE; 2]);
             self.count(outcome);
         }
         for &face in &encroached.facets {
+            control.check()?;
             let outcome = self.split_facet(face, [NONE; 2]);
             self.count(outcome);
         }
-        let bad = self.bad();
+        let bad = self.bad(control)?;
         self.batch.bad_edges = bad.iter().map(|b| b.1).collect();
         self.batch.bad_edges.dedup();
         let mut limit = f64::INFINITY;
         for (i, &(bits, edge, tet)) in bad.iter().enumerate() {
-            if i % 256 == 0 && !control.report("refine", i as f64 / bad.len() as f64, self.mesh.points.len()) {
-                return false;
+            let goes_on = if i % 256 == 0 {
+                control.report("refine", i as f64 / bad.len() as f64, self.mesh.points.len())
+            } else {
+                control.poll()
+            };
+            if !goes_on {
+                return Err(Error::Cancelled);
             }
             let length = f64::from_bits(bits);
             if length > limit {
@@ -149,7 +175,7 @@ impl Round<'_> {
                 limit = limit.min(length * WINDOW * WINDOW);
             }
         }
-        true
+        Ok(())
     }
 
     fn count(&mut self, outcome: Outcome) {
@@ -157,25 +183,31 @@ impl Round<'_> {
     }
 
     /// All bad tetrahedra, the one with the shortest shortest edge first.
-    fn bad(&self) -> Vec<Bad> {
-        let mut bad: Vec<Bad> = (0..self.mesh.tets.len() as u32)
-            .filter(|&t| exceeds_radius_edge(self.mesh.corners(t), self.radius_edge))
-            .map(|t| {
-                let v = self.mesh.tets[t as usize];
-                let length = |[i, j]: [usize; 2]| self.mesh.at(v[i]).distance_squared(self.mesh.at(v[j])).to_bits();
-                let (length, edge) =
-                    EDGES.map(|e| (length(e), edge_key(e.map(|i| v[i])))).into_iter().min().unwrap_or_default();
-                (length, edge, t)
-            })
-            .collect();
+    fn bad<'a>(&self, control: &'a Control) -> Result<InPieces<'a, Vec<Bad>>, Error> {
+        let mut bad = memory::room_in_pieces::<Bad>(0, "bad tetrahedra", control)?;
+        let turns = control.turns();
+        for t in 0..self.mesh.tets.len() as u32 {
+            turns.check()?;
+            if !exceeds_radius_edge(self.mesh.corners(t), self.radius_edge) {
+                continue;
+            }
+            let v = self.mesh.tets[t as usize];
+            let length = |[i, j]: [usize; 2]| self.mesh.at(v[i]).distance_squared(self.mesh.at(v[j])).to_bits();
+            let (length, edge) =
+                EDGES.map(|e| (length(e), edge_key(e.map(|i| v[i])))).into_iter().min().unwrap_or_default();
+            memory::reserve(&mut bad, 1, "bad tetrahedra")?;
+            bad.push((length, edge, t));
+        }
         // Ties by vertices, not by places in the arrays, which say nothing.
         let key = |t: u32| {
             let mut v = self.mesh.tets[t as usize];
             v.sort_unstable();
             v
         };
-        bad.sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then_with(|| key(a.2).cmp(&key(b.2))));
-        bad
+        sort_by(&mut bad, &control.watch(), |a, b| {
+            (a.0, a.1).cmp(&(b.0, b.1)).then_with(|| (key(a.2), a.2).cmp(&(key(b.2), b.2)))
+        })?;
+        Ok(bad)
     }
 
     /// Mends a bad tetrahedron at its shortest edge.

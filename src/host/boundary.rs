@@ -15,8 +15,9 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::quality::EDGES;
 use crate::geometry::Sign;
+use crate::sorting::sort;
 use crate::triangulation::topology::tet_of;
-use crate::{DVec3, Error};
+use crate::{Control, DVec3, Error};
 
 const ON_SEGMENT: u8 = 1;
 const ON_FACET: u8 = 2;
@@ -72,9 +73,9 @@ fn sides([a, b, c]: [u32; 3]) -> [([u32; 2], u32); 3] {
 
 impl Boundary {
     /// Finds the boundary. An error names a face of the host's that the mesh has not.
-    pub(super) fn new(mesh: &Mesh<'_>, arrays: &Arrays<'_>) -> Result<Boundary, Error> {
+    pub(super) fn new(mesh: &Mesh<'_>, arrays: &Arrays<'_>, control: &Control) -> Result<Boundary, Error> {
         let mut boundary = Boundary { kinds: vec![0; mesh.points.len()], ..Boundary::default() };
-        let (faces, numbers) = boundary.collect(mesh, arrays)?;
+        let (faces, numbers) = boundary.collect(mesh, arrays, control)?;
         if faces.is_empty() {
             return Ok(boundary);
         }
@@ -82,20 +83,29 @@ impl Boundary {
         // All sides, those of one edge together.
         let mut edges: Vec<([u32; 2], u32)> =
             keys.iter().enumerate().flat_map(|(i, &key)| sides(key).map(|(edge, _)| (edge, i as u32))).collect();
-        edges.sort_unstable();
+        sort(&mut edges, &control.watch())?;
         let facets = group(mesh, &keys, &numbers, &edges);
+        let turns = control.turns();
         for (i, &key) in keys.iter().enumerate() {
+            turns.check()?;
             boundary.subfacets.insert(key, Subfacet { facet: facets[i], handle: faces[i] });
             for v in key {
                 boundary.kinds[v as usize] |= ON_FACET;
             }
         }
         boundary.find_segments(mesh, &faces, &facets, &edges);
+        control.check()?;
         Ok(boundary)
     }
 
     /// One handle for each boundary face, with the host's number for its facet if it has one.
-    fn collect(&mut self, mesh: &Mesh<'_>, arrays: &Arrays<'_>) -> Result<(Vec<u32>, Vec<Option<u32>>), Error> {
+    fn collect(
+        &mut self,
+        mesh: &Mesh<'_>,
+        arrays: &Arrays<'_>,
+        control: &Control,
+    ) -> Result<(Vec<u32>, Vec<Option<u32>>), Error> {
+        let turns = control.turns();
         if !arrays.facets.is_empty() && arrays.facets.len() != arrays.faces.len() {
             let (n, m) = (arrays.facets.len(), arrays.faces.len());
             return Err(Error::InvalidMesh { problem: format!("there are {n} facet numbers for {m} faces") });
@@ -103,6 +113,7 @@ impl Boundary {
         let mut given: FxHashMap<[u32; 3], (u32, Option<u32>)> = FxHashMap::default();
         let mut listed = vec![false; mesh.points.len()];
         for (i, &face) in arrays.faces.iter().enumerate() {
+            turns.check()?;
             if let Some(v) = face.into_iter().find(|&v| v as usize >= listed.len()) {
                 let problem = format!("face {i} names vertex {v}, but there are only {}", listed.len());
                 return Err(Error::InvalidMesh { problem });
@@ -113,6 +124,7 @@ impl Boundary {
         let mut faces = Vec::new();
         let mut numbers = Vec::new();
         for face in 0..4 * mesh.tets.len() as u32 {
+            turns.check()?;
             let across = mesh.across(face);
             let vertices = mesh.face(face);
             let entry = match vertices.iter().all(|&v| listed[v as usize]) {
@@ -266,9 +278,11 @@ impl Boundary {
     }
 
     /// Subsegments and subfacets that a vertex of the mesh encroaches upon, in order.
-    pub(super) fn encroached_by_vertices(&self, mesh: &Mesh<'_>) -> Encroached {
+    pub(super) fn encroached_by_vertices(&self, mesh: &Mesh<'_>, control: &Control) -> Result<Encroached, Error> {
         let mut found = Encroached::default();
+        let turns = control.turns();
         for (&edge, &Subsegment { segment, tet }) in &self.subsegments {
+            turns.check()?;
             let ends = edge.map(|v| mesh.at(v));
             let middle = 0.5 * ends[0] + 0.5 * ends[1];
             let mut encroached = false;
@@ -291,6 +305,7 @@ impl Boundary {
             }
         }
         for (&face, &Subfacet { facet, handle }) in &self.subfacets {
+            turns.check()?;
             let corners = face.map(|v| mesh.at(v));
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let sides = [handle, mesh.across(handle)];
@@ -303,7 +318,7 @@ impl Boundary {
         }
         found.segments.sort_unstable();
         found.facets.sort_unstable();
-        found
+        Ok(found)
     }
 
     /// Keeps the one subsegment, or else subfacet, that `p` encroaches upon most: see `domain::boundary`.

@@ -1,14 +1,12 @@
 //! A host's arrays as a mesh: checked once, then walked through like a triangulation of our own, but without ghosts.
 
-use std::borrow::Cow;
-
 use glam::DVec3;
 
 use super::Arrays;
 use crate::geometry::predicates::orient3d;
 use crate::geometry::{check_range, Filter, Sign};
 use crate::triangulation::topology::{slot_of, tet_of, EVEN_REST, MAX_TETRAHEDRA};
-use crate::Error;
+use crate::{memory, Control, Error};
 
 /// No tetrahedron.
 pub const NONE: u32 = u32::MAX;
@@ -56,13 +54,15 @@ pub fn face_key(mut face: [u32; 3]) -> [u32; 3] {
 impl<'a> Mesh<'a> {
     /// Checks the arrays: vertices exist and are usable, tetrahedra are positively oriented, no face has three sides, and, locally and
     /// so everywhere, the mesh is Delaunay.
-    pub fn new(arrays: &Arrays<'a>) -> Result<Mesh<'a>, Error> {
+    pub fn new(arrays: &Arrays<'a>, control: &Control) -> Result<Mesh<'a>, Error> {
         let (points, tets) = (arrays.points, arrays.tetrahedra);
         if tets.len() > MAX_TETRAHEDRA {
             return Err(Error::TooManyVertices { requested: tets.len(), limit: MAX_TETRAHEDRA });
         }
-        let mut used = vec![false; points.len()];
+        let mut used = memory::filled(points.len(), false, "vertices", control)?;
+        let turns = control.turns();
         for (t, tet) in tets.iter().enumerate() {
+            turns.check()?;
             for &v in tet {
                 let Some(used) = used.get_mut(v as usize) else {
                     let problem = format!("tetrahedron {t} names vertex {v}, but there are only {}", points.len());
@@ -73,28 +73,43 @@ impl<'a> Mesh<'a> {
         }
         let mut filter = Filter::default();
         for (v, &p) in points.iter().enumerate().filter(|&(v, _)| used[v]) {
+            turns.check()?;
             check_range(v, p)?;
             filter.extend(p);
         }
-        let across = if arrays.neighbours.is_empty() {
-            Cow::Owned(find_neighbours(points.len(), tets)?)
-        } else {
-            Cow::Borrowed(arrays.neighbours)
-        };
-        let mut mesh = Mesh { points, tets, across: Vec::new(), filter };
-        if let Some(t) = (0..tets.len() as u32).find(|&t| {
-            let [a, b, c, d] = mesh.corners(t);
-            mesh.filter.orient3d(a, b, c, d) != Sign::Positive
-        }) {
-            return Err(invalid(format!("tetrahedron {t} {:?} is flat or not positively oriented", tets[t as usize])));
+        let mut across = memory::room_in_pieces(0, "neighbours", control)?;
+        if arrays.neighbours.is_empty() {
+            *across = find_neighbours(points.len(), tets, control)?;
         }
-        mesh.across = if arrays.neighbours.is_empty() { across.into_owned() } else { mesh.handles(&across)? };
-        mesh.check_delaunay()?;
-        Ok(mesh)
+        let mut mesh = Mesh { points, tets, across: Vec::new(), filter };
+        for t in 0..tets.len() as u32 {
+            turns.check()?;
+            let [a, b, c, d] = mesh.corners(t);
+            if mesh.filter.orient3d(a, b, c, d) != Sign::Positive {
+                let tet = tets[t as usize];
+                return Err(invalid(format!("tetrahedron {t} {tet:?} is flat or not positively oriented")));
+            }
+        }
+        if !arrays.neighbours.is_empty() {
+            *across = mesh.handles(arrays.neighbours, control)?;
+        }
+        mesh.across = across.keep();
+        match mesh.check_delaunay(control) {
+            Ok(()) => Ok(mesh),
+            Err(error) => {
+                control.give_back(mesh.across);
+                Err(error)
+            }
+        }
+    }
+
+    /// Gives its memory back.
+    pub fn give_back_to(&mut self, control: &Control) {
+        control.give_back(std::mem::take(&mut self.across));
     }
 
     /// The host's neighbours as face handles.
-    fn handles(&self, neighbours: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, Error> {
+    fn handles(&self, neighbours: &[[u32; 4]], control: &Control) -> Result<Vec<[u32; 4]>, Error> {
         if neighbours.len() != self.tets.len() {
             let (n, m) = (neighbours.len(), self.tets.len());
             return Err(invalid(format!("there are neighbours of {n} tetrahedra, but {m} tetrahedra")));
@@ -121,7 +136,13 @@ impl<'a> Mesh<'a> {
             }
             Ok(handles)
         };
-        (0..self.tets.len()).map(one).collect()
+        let mut all = memory::room_in_pieces(self.tets.len(), "neighbours", control)?;
+        let turns = control.turns();
+        for t in 0..self.tets.len() {
+            turns.check()?;
+            all.push(one(t)?);
+        }
+        Ok(all.keep())
     }
 
     /// Whether an outward face's vertices are in an order that an even number of swaps sorts.
@@ -134,8 +155,10 @@ impl<'a> Mesh<'a> {
 
     /// Tetrahedra are on different sides of the face that they share, so that walks around edges come back; and no vertex across a face lies
     /// inside a tetrahedron's circumsphere.
-    fn check_delaunay(&self) -> Result<(), Error> {
+    fn check_delaunay(&self, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         for t in 0..self.tets.len() as u32 {
+            turns.check()?;
             for slot in 0..4 {
                 let across = self.across[t as usize][slot as usize];
                 // Each face once.
@@ -311,10 +334,13 @@ impl<'a> Mesh<'a> {
 }
 
 /// The neighbours as face handles, by sorting the faces at each vertex.
-fn find_neighbours(points: usize, tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, Error> {
+fn find_neighbours(points: usize, tets: &[[u32; 4]], control: &Control) -> Result<Vec<[u32; 4]>, Error> {
+    const WHAT: &str = "neighbours";
+    let turns = control.turns();
     let key = |t: usize, slot: usize| face_key(FACE[slot].map(|s| tets[t][s]));
-    let mut starts = vec![0usize; points + 1];
+    let mut starts = memory::zeroed::<usize>(points + 1, WHAT, control)?;
     for t in 0..tets.len() {
+        turns.check()?;
         for slot in 0..4 {
             starts[key(t, slot)[0] as usize + 1] += 1;
         }
@@ -322,17 +348,19 @@ fn find_neighbours(points: usize, tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, Er
     for v in 0..points {
         starts[v + 1] += starts[v];
     }
-    let mut faces = vec![([0u32; 2], 0u32); 4 * tets.len()];
-    let mut fill = starts.clone();
+    let mut faces = memory::zeroed::<([u32; 2], u32)>(4 * tets.len(), WHAT, control)?;
+    let mut fill = memory::copied(&starts, WHAT, control)?;
     for t in 0..tets.len() {
+        turns.check()?;
         for slot in 0..4 {
             let [a, b, c] = key(t, slot);
             faces[fill[a as usize]] = ([b, c], 4 * t as u32 + slot as u32);
             fill[a as usize] += 1;
         }
     }
-    let mut across = vec![[NONE; 4]; tets.len()];
+    let mut across = memory::filled(tets.len(), [NONE; 4], WHAT, control)?;
     for (v, range) in starts.windows(2).enumerate() {
+        turns.check()?;
         let faces = &mut faces[range[0]..range[1]];
         faces.sort_unstable();
         for same in faces.chunk_by(|f, g| f.0 == g.0) {
@@ -353,5 +381,5 @@ fn find_neighbours(points: usize, tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, Er
             }
         }
     }
-    Ok(across)
+    Ok(across.keep())
 }

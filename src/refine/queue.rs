@@ -12,6 +12,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use crate::geometry::quality::EDGES;
+use crate::leavings::{Each, Leavings};
 use crate::triangulation::Triangulation;
 use crate::{memory, Error};
 
@@ -66,6 +67,20 @@ pub struct Queue {
     /// The entries of all others.
     waiting: Buckets,
     count: usize,
+}
+
+impl Leavings for Queue {
+    fn give_back(&mut self) -> bool {
+        let mut rest = Each(std::mem::take(&mut self.waiting.lists));
+        let more = rest.give_back();
+        self.waiting.lists = rest.0;
+        more || {
+            let mut heap = std::mem::take(&mut self.heap).into_vec();
+            let more = heap.give_back();
+            self.heap = heap.into();
+            more
+        }
+    }
 }
 
 /// Entries by bucket.

@@ -121,19 +121,9 @@ impl<'a> Refiner<'a> {
     /// The whole loop.
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
-        if !self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1) {
-            return Err(Error::OutOfMemory { what: "marks" });
-        }
-        self.boundary.unblock(self.t);
-        let all: Vec<u32> = self.t.topology.finite().collect();
-        if std::mem::take(&mut self.boundary.relaxed) {
-            self.boundary.enqueue_all(self.t);
-        }
-        if !self.watch_all(control)? {
-            return Ok(RefineStatus::Cancelled);
-        }
-        for some in all.chunks(4096) {
-            self.watch_size(some)?;
+        match self.begin(control) {
+            Err(Error::Cancelled) => return Ok(RefineStatus::Cancelled),
+            other => other?,
         }
         let mut turns = 0usize;
         loop {
@@ -175,20 +165,43 @@ impl<'a> Refiner<'a> {
         limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes())
     }
 
-    /// Queues all bad tetrahedra; false when cancelled.
-    fn watch_all(&mut self, control: &Control) -> Result<bool, Error> {
+    /// Queues all that there is to do.
+    fn begin(&mut self, control: &Control) -> Result<(), Error> {
         /// Places looked at between two looks at the control.
-        const BLOCK: usize = 1 << 14;
+        const BLOCK: usize = 1 << 13;
+        self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1, control)?;
+        self.boundary.unblock(self.t, control)?;
+        if self.boundary.relaxed {
+            self.boundary.enqueue_all(self.t, control)?;
+            self.boundary.relaxed = false;
+        }
         let end = self.t.topology.tets.len();
         for first in (0..end).step_by(BLOCK) {
-            if !control.poll() {
-                return Ok(false);
-            }
+            control.check()?;
             let t = &*self.t;
             let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
             watch(t, &mut self.queue, self.radius_edge, (first as u32..end.min(first + BLOCK) as u32).filter(finite))?;
         }
-        Ok(true)
+        if self.sizes.is_none() {
+            return Ok(());
+        }
+        let mut some = Vec::with_capacity(BLOCK / 2);
+        for first in (0..end).step_by(BLOCK / 2) {
+            control.check()?;
+            let t = &*self.t;
+            let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
+            some.clear();
+            some.extend((first as u32..end.min(first + BLOCK / 2) as u32).filter(finite));
+            self.watch_size(&some)?;
+        }
+        Ok(())
+    }
+
+    /// Gives its memory back.
+    pub fn give_back_to(&mut self, control: &Control) {
+        control.give_back(std::mem::take(&mut self.queue));
+        control.give_back(std::mem::take(&mut self.cavity));
+        control.give_back(std::mem::take(&mut self.hole));
     }
 
     /// Splits one boundary element if any waits. Returns false when none does.

@@ -13,6 +13,7 @@ use super::refiner::{watch, Refiner};
 use super::split::{Split, NEVER};
 use crate::domain::boundary::Standing;
 use crate::domain::facet::FacetChange;
+use crate::domain::label::OUTSIDE;
 use crate::domain::pending::Demand;
 use crate::triangulation::remove::Replacement;
 use crate::triangulation::topology::tet_of;
@@ -29,6 +30,16 @@ pub struct Record {
     inserted: bool,
     before: Standing,
     changes: Vec<(u32, FacetChange)>,
+    /// The tetrahedra that went for the vertex, and their labels.
+    labels: Labels,
+}
+
+/// Tetrahedra by their vertices in order, with their labels, and in order themselves.
+pub type Labels = Vec<([u32; 4], u16)>;
+
+fn in_order(mut v: [u32; 4]) -> [u32; 4] {
+    v.sort_unstable();
+    v
 }
 
 /// A boundary element.
@@ -98,20 +109,30 @@ impl Refiner<'_> {
             Element::Segment(edge) => self.split_segment(edge, demand)?,
             Element::Facet(face) => self.split_facet(face, demand)?,
         };
-        if !self.boundary.misses() {
-            return Ok(split);
-        }
+        let mut complete = !self.boundary.misses();
+        let follows = !complete;
         let mut first = Vec::new();
-        for _ in 0..FOLLOWING {
+        for _ in 0..if follows { FOLLOWING } else { 0 } {
             match self.recovery_step(&mut first, demand.following())? {
                 Step::Nothing => {
-                    let vertices: Vec<u32> = self.records.iter().map(|record| record.vertex).collect();
-                    let stars = vertices.iter().flat_map(|&v| self.t.topology.star(v)).collect();
-                    self.relabel(stars)?;
-                    return Ok(split);
+                    complete = true;
+                    break;
                 }
                 Step::Split => {}
                 Step::Stuck => break,
+            }
+        }
+        if complete {
+            let vertices = self.records.iter().map(|record| record.vertex);
+            let stars: Vec<u32> = vertices.flat_map(|v| self.t.topology.star(v)).collect();
+            let mut sound = !follows && !self.leaks(&stars);
+            if !sound {
+                self.relabel(stars.clone())?;
+                // Where rounding has put a vertex beside its facet, what is beyond may have come to the other side.
+                sound = !self.leaks(&stars);
+            }
+            if sound {
+                return Ok(split);
             }
         }
         self.take_back()?;
@@ -124,10 +145,43 @@ impl Refiner<'_> {
     }
 
     /// Notes a split that was done.
-    pub(super) fn record(&mut self, vertex: u32, inserted: bool, before: Standing, changes: Vec<(u32, FacetChange)>) {
+    pub(super) fn record(
+        &mut self,
+        (vertex, inserted): (u32, bool),
+        before: Standing,
+        changes: Vec<(u32, FacetChange)>,
+        labels: Labels,
+    ) {
         if !self.boundary.recovering {
-            self.records.push(Record { vertex, inserted, before, changes });
+            self.records.push(Record { vertex, inserted, before, changes, labels });
         }
+    }
+
+    /// The labels of what the cavity takes out.
+    pub(super) fn labels_of_cavity(&self) -> Labels {
+        let topology = &self.t.topology;
+        if self.boundary.recovering || topology.region.is_empty() {
+            return Labels::new();
+        }
+        let of = |&tet: &u32| (in_order(topology.tet(tet).v), topology.region[tet as usize]);
+        let mut labels: Labels = self.cavity.tets.iter().map(of).collect();
+        labels.sort_unstable();
+        labels
+    }
+
+    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet.
+    fn leaks(&self, tets: &[u32]) -> bool {
+        let region = &self.t.topology.region;
+        if region.is_empty() {
+            return false;
+        }
+        let leaks = |&tet: &u32| {
+            let tetrahedron = self.t.topology.tet(tet);
+            let label = |tet: u32| region[tet as usize];
+            let differs = |slot: &usize| label(tet) != label(tet_of(tetrahedron.n[*slot]));
+            (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(tetrahedron.face(slot)))
+        };
+        tets.iter().any(leaks)
     }
 
     /// Takes all splits of the transaction back.
@@ -145,14 +199,23 @@ impl Refiner<'_> {
             let replacement = Replacement { remove: &[record.vertex], add: None };
             self.t.preview(&replacement, &is_wall, &mut self.hole)?;
             self.t.replace(&mut self.hole)?;
-            match record.before.edge {
-                Some(_) => self.segment_splits -= 1,
-                None => self.facet_splits -= 1,
+            if record.before.segments.is_empty() {
+                self.facet_splits -= 1;
+            } else {
+                self.segment_splits -= 1;
+            }
+            // What comes back is what the vertex took out: the triangulation of the others is unique.
+            for &tet in &self.hole.created {
+                let v = in_order(self.t.topology.tet(tet).v);
+                if let Ok(place) = record.labels.binary_search_by_key(&v, |known| known.0) {
+                    self.t.topology.region[tet as usize] = record.labels[place].1;
+                }
             }
             changed.extend_from_slice(&self.hole.created);
         }
-        changed.retain(|&tet| self.t.topology.tet(tet).is_live());
-        self.relabel(changed)
+        let t = &*self.t;
+        let live = changed.into_iter().filter(|&tet| t.topology.tet(tet).is_live());
+        watch(t, &mut self.queue, self.radius_edge, live)
     }
 
     /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
@@ -174,6 +237,9 @@ impl Refiner<'_> {
             while next < part.len() {
                 let tet = *self.t.topology.tet(part[next]);
                 next += 1;
+                if tet.is_ghost() {
+                    label = Some(OUTSIDE);
+                }
                 for slot in 0..4 {
                     let across = tet_of(tet.n[slot]);
                     if labels.contains_key(&across) && changed.contains(&across)
@@ -189,7 +255,7 @@ impl Refiner<'_> {
                     }
                 }
             }
-            // None at all: subfacets enclose it, and what it was must do.
+            // None at all, and no ghost: subfacets enclose it, and what it was must do.
             let label = label.unwrap_or(self.t.topology.region[seed as usize]);
             for tet in part {
                 labels.insert(tet, label);

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::refiner::Refiner;
+use super::restore::Labels;
 use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
@@ -43,11 +44,11 @@ impl Refiner<'_> {
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
                 self.boundary.apply(&changes, p);
                 let star = self.t.topology.star(existing);
-                let before = self.boundary.standing(existing, Some(edge));
+                let before = self.boundary.standing(existing, Some(edge), &changes);
                 let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, existing, &changes, &star, demand.following());
                 self.sort_pending(pending);
-                self.record(existing, false, before, changes);
+                self.record((existing, false), before, changes, Labels::new());
                 Ok(Split::Done(existing))
             }
             (false, Ok(())) => {
@@ -58,8 +59,9 @@ impl Refiner<'_> {
                     return Ok(self.block_segment(edge, reach));
                 }
                 self.boundary.apply(&changes, p);
+                let labels = self.labels_of_cavity();
                 let new = self.insert_prepared(p)?;
-                let before = self.boundary.standing(new, Some(edge));
+                let before = self.boundary.standing(new, Some(edge), &changes);
                 let after = demand.following();
                 let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
@@ -67,7 +69,7 @@ impl Refiner<'_> {
                 self.sort_pending(pending);
                 self.finish()?;
                 self.segment_splits += 1;
-                self.record(new, true, before, changes);
+                self.record((new, true), before, changes, labels);
                 Ok(Split::Done(new))
             }
             _ => Ok(self.block_segment(edge, NEVER)),
@@ -107,9 +109,10 @@ impl Refiner<'_> {
             return Ok(self.block_facet(face, reach));
         }
         self.boundary.apply(&changes, p);
+        let labels = self.labels_of_cavity();
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
-        let before = self.boundary.standing(new, None);
+        let before = self.boundary.standing(new, None, &changes);
         let [(facet, change)] = &changes;
         let after = demand.following();
         let pending = self.pending();
@@ -118,7 +121,7 @@ impl Refiner<'_> {
         self.sort_pending(pending);
         self.finish()?;
         self.facet_splits += 1;
-        self.record(new, true, before, changes.into());
+        self.record((new, true), before, changes.into(), labels);
         Ok(Split::Done(new))
     }
 

@@ -13,8 +13,9 @@ use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::geometry::{check_range, flush_tiny};
 use crate::sampler::{sample_edge, Rule};
+use crate::sorting::sort;
 use crate::triangulation::cavity::Cavity;
-use crate::{Error, Mesh};
+use crate::{memory, Control, Error, Mesh};
 
 /// Where a Steiner point comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,16 +71,32 @@ impl Mesh {
     /// All bad short edges of the domain, shortest first (among equals by vertex ids), lower vertex first. Exact and linear in the size
     /// of the mesh. No tetrahedron is bad when there is none.
     pub fn bad_short_edges(&self, radius_edge: f64) -> Result<Vec<[u32; 2]>, Error> {
+        self.bad_short_edges_within(radius_edge, &Control::new())
+    }
+
+    /// [`bad_short_edges`](Self::bad_short_edges) that a control can cancel: [`Error::Cancelled`].
+    pub fn bad_short_edges_within(&self, radius_edge: f64, control: &Control) -> Result<Vec<[u32; 2]>, Error> {
         check_radius_edge(radius_edge)?;
-        let mut edges: Vec<(u64, [u32; 2])> = Vec::new();
-        for t in self.inside().filter(|&t| exceeds_radius_edge(self.t.corners(t), radius_edge)) {
+        let mut edges = memory::room_in_pieces::<(u64, [u32; 2])>(0, "bad short edges", control)?;
+        let turns = control.turns();
+        for t in self.inside() {
+            turns.check()?;
+            if !exceeds_radius_edge(self.t.corners(t), radius_edge) {
+                continue;
+            }
+            memory::reserve(&mut edges, 1, "bad short edges")?;
             let ([i, j], shortest) = super::queue::shortest_edge(&self.t, t);
             let v = self.t.topology.tet(t).v;
             edges.push((shortest.to_bits(), edge_key([v[i], v[j]])));
         }
-        edges.sort_unstable();
+        sort(&mut edges, &control.watch())?;
         edges.dedup();
-        Ok(edges.into_iter().map(|(_, edge)| edge).collect())
+        let mut all = memory::room_in_pieces(edges.len(), "bad short edges", control)?;
+        for (_, edge) in edges.iter() {
+            turns.check()?;
+            all.push(*edge);
+        }
+        Ok(all.keep())
     }
 
     /// What the refinement would insert next for an edge. Boundary rules come first: if a subsegment or subfacet waits to be split, or a

@@ -377,3 +377,59 @@ fn removed_input_points_do_not_spoil_the_predicates() {
     let (low, high) = mesh.triangulation().bounding_box();
     assert!(low.is_finite() && high.is_finite(), "{low} {high}");
 }
+
+#[test]
+fn a_split_beside_a_nearly_flat_edge_of_the_hull_leaks_no_label() {
+    // Two corners are a unit in the last place apart. The 185th vertex, a split of the hull's edge between the first and the sixth, comes to lie beside a
+    // facet, so that what was outside it is inside.
+    let points = [
+        [-8.0, 7.0, -6.0],
+        [3.9999999999999996, -4.0, -8.0],
+        [-8.000000000000002, 7.0, -6.0],
+        [-5.0, -8.0, -4.9],
+        [-8.0, -8.0, 0.1],
+        [0.1, 0.1, 0.1],
+        [0.1, 0.1, -5.0],
+        [-5.0, -5.0, -5.0],
+        [-8.0, -5.9, -8.0],
+        [-7.0, -8.0, 1.1],
+        [-5.0, -3.0000000000000004, -8.0],
+        [-8.0, -8.0, -7.0],
+    ];
+    let mut mesh = Mesh::new();
+    mesh.insert(&points.map(DVec3::from), None, &Control::new()).unwrap();
+    mesh.use_hull_as_domain().unwrap();
+    for max_vertices in (180..190).chain([281]) {
+        let rule = Rule::Circumcenter;
+        let options = RefineOptions { rule, radius_edge: 1.5, max_vertices, ..RefineOptions::default() };
+        mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+    }
+}
+
+#[test]
+fn splits_at_vertices_that_two_facets_have_are_taken_back_whole() {
+    // Seen from the last point, 2e52 away, all others are one: splits meet in vertices that stand for several, and parts of them are there already.
+    let points = [
+        [-8.0, 7.0, -3.0],
+        [-3.0, -3.0, -3.0],
+        [3.9999999999999996, -4.0, -8.0],
+        [-8.0, -7.0, -8.0],
+        [-7.999999999999999, 7.0, -6.0],
+        [-5.0, -8.0, -0.9],
+        [-0.9, -0.9, -8.0],
+        [-8.0, -8.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [2.0, 2.0, 2.0],
+        [2.0, 2.0, 7.0],
+        [-2.8647537282032434e47, -7.805260849197838e43, -2.0048260471976572e52],
+    ];
+    for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
+        let mut mesh = Mesh::new();
+        mesh.insert(&points.map(DVec3::from), None, &Control::new()).unwrap();
+        let options = RefineOptions { rule, radius_edge: 1.5, max_vertices: 295, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!(report.status, RefineStatus::Unrefined);
+        mesh.validate(3).unwrap();
+    }
+}

@@ -181,6 +181,11 @@ impl Sparsifier {
         Ok(true)
     }
 
+    /// Gives its memory back.
+    pub fn give_back(self, control: &Control) {
+        control.give_back(self.hole);
+    }
+
     /// The pass over all Steiner points. Says what stopped it, if it could not finish; the mesh is valid then too.
     pub fn run(
         &mut self,
@@ -190,7 +195,11 @@ impl Sparsifier {
         limits: &mut Limits,
     ) -> Result<Option<RefineStatus>, Error> {
         let mut queue = Queue::default();
+        let turns = control.turns();
         for v in self.first..t.vertex_slots() as u32 {
+            if !turns.go_on() {
+                return Ok(Some(RefineStatus::Cancelled));
+            }
             if self.is_steiner(t, v) && (self.effort.all || boundary.kind(v) != 0) {
                 queue.push(v);
             }

@@ -13,6 +13,7 @@ use super::threads::{self, share_out};
 use super::topology::NONE;
 use super::Triangulation;
 use crate::geometry::lanes::Portable;
+use crate::leavings::{Each, InPieces};
 use crate::{memory, Control, Error, LogLevel};
 
 /// Vertices of before are nobody's if they are not more than one in so many.
@@ -25,9 +26,9 @@ const PART: usize = 1 << 15;
 const STARTS: usize = 8;
 
 /// Threads, and memory for each.
-struct Helpers {
+struct Helpers<'a> {
     threads: usize,
-    cavities: Vec<Cavity>,
+    cavities: InPieces<'a, Each<Cavity>>,
 }
 
 /// How far a bulk insertion has come.
@@ -62,27 +63,36 @@ impl Triangulation {
         if !control.report("delaunay", 0.0, present) {
             return Ok(None);
         }
-        let SpatialOrder { order, mut rounds, ends } = SpatialOrder::new(points, threads, control)?;
+        let SpatialOrder { order, rounds, ends } = SpatialOrder::new(points, threads, control)?;
+        let (order, mut rounds) = (InPieces::new(order, control), InPieces::new(Each(rounds), control));
         memory::reserve(&mut self.points, points.len(), "points")?;
         // Seven for each point, and what divided places leave unused.
         memory::reserve(&mut self.topology.tets, points.len() / 2 * 15, "tetrahedra")?;
         debug_assert_eq!(order.len(), points.len());
-        self.filter.extend_all(points);
+        for part in points.chunks(PART) {
+            control.check()?;
+            self.filter.extend_all(part);
+        }
         let room = &mut self.points.spare_capacity_mut()[..points.len()];
+        let watch = control.watch();
         share_out(threads, room.chunks_mut(PART).zip(order.chunks(PART)), |(room, order)| {
+            if !watch.poll() {
+                return;
+            }
             for (place, &i) in room.iter_mut().zip(order) {
                 place.write(points[i as usize] + DVec3::ZERO);
             }
         });
+        watch.end()?;
         // SAFETY: so many have been written: there is one place in the order for each point.
         unsafe { self.points.set_len(base + points.len()) };
         let mut progress = Progress { control, total: points.len(), done: 0, present, duplicates: Vec::new() };
-        let mut helpers = Helpers { threads, cavities: Vec::new() };
-        for round in &mut rounds {
+        let mut helpers = Helpers { threads, cavities: InPieces::new(Each::default(), control) };
+        for round in &mut rounds.0 {
             round.zone.iter_mut().chain(&mut round.rest).for_each(|v| *v += base as u32);
         }
-        for i in 0..rounds.len() {
-            let (before, round) = (&rounds[..i], &rounds[i]);
+        for i in 0..rounds.0.len() {
+            let (before, round) = (&rounds.0[..i], &rounds.0[i]);
             // Labels of regions would have to be shared, too; there is no bulk insertion once there are some.
             let goes_on = if round.depth == 0 || !self.topology.region.is_empty() {
                 self.insert_all_of(round.vertices().map(|v| (v, NONE)), &mut progress)?
@@ -112,8 +122,9 @@ impl Triangulation {
         progress: &mut Progress,
     ) -> Result<bool, Error> {
         let mut cavity = std::mem::take(&mut self.scratch);
-        if !cavity.reserve(self.topology.tets.capacity(), self.points.len()) {
-            return Err(Error::OutOfMemory { what: "marks" });
+        if let Err(error) = cavity.reserve(self.topology.tets.capacity(), self.points.len(), progress.control) {
+            self.scratch = cavity;
+            return Err(error);
         }
         for (turn, (vertex, hint)) in vertices.enumerate() {
             // A cancellation from another thread is seen at once.
@@ -132,7 +143,10 @@ impl Triangulation {
                 continue;
             }
             self.find_cavity(&self.filter, point, t, &mut cavity);
-            self.commit(vertex, &mut cavity, false)?;
+            if let Err(error) = self.commit(vertex, &mut cavity, false) {
+                self.scratch = cavity;
+                return Err(error);
+            }
         }
         self.scratch = cavity;
         Ok(true)
@@ -149,21 +163,21 @@ impl Triangulation {
         progress: &mut Progress,
     ) -> Result<bool, Error> {
         let present = || (0..base as u32).chain(before.iter().flat_map(Round::vertices));
+        let control = progress.control;
         let divide = |this: &Self, vertices: &[u32], depth, planes| {
-            let points: Vec<DVec3> = vertices.iter().map(|&v| this.at(v)).collect();
-            let division = Division::new(sample(&points, depth), points.len(), depth, planes);
-            division.share(&this.points, vertices, present())
+            let sample = sample(vertices.len(), depth).map(|i| this.at(vertices[i])).collect();
+            let division = Division::new(sample, vertices.len(), depth, planes);
+            division.share(&this.points, vertices, present(), control)
         };
         let (zone, inner) = if base <= round.rest.len() / FEW_OTHERS {
             // Vertices of before are nobody's.
             (round.zone.clone(), Partition::of_ids(round.rest.clone(), firsts))
         } else {
-            // They have ids of any order.
-            let mut all: Vec<u32> = round.vertices().collect();
-            all.sort_unstable();
-            divide(self, &all, round.depth, Planes::AlongAxes)
+            // They have ids of any order. The two lists of the round are in order.
+            let all = merged([&round.zone, &round.rest], control)?;
+            divide(self, &all, round.depth, Planes::AlongAxes)?
         };
-        let (zone, outer) = divide(self, &zone, round.depth.min(ZONE_DEPTH), Planes::Oblique);
+        let (zone, outer) = divide(self, &zone, round.depth.min(ZONE_DEPTH), Planes::Oblique)?;
         if !self.insert_all_of(zone.into_iter().map(|v| (v, NONE)), progress)? {
             return Ok(false);
         }
@@ -186,12 +200,17 @@ impl Triangulation {
     ) -> Result<bool, Error> {
         let territories = partition.count();
         let starts: Vec<Vec<u32>> = (0..territories).map(|i| self.starts_in(partition, i)).collect();
-        let (room, vertices) = (self.topology.tets.capacity(), self.points.len());
-        let cavities = &mut helpers.cavities;
+        let (room, vertices, control) = (self.topology.tets.capacity(), self.points.len(), progress.control);
+        let cavities = &mut helpers.cavities.0;
         cavities.resize_with(helpers.threads.min(territories), Cavity::default);
-        let ready = cavities.iter_mut().map_while(|cavity| cavity.reserve(room, vertices).then_some(())).count();
-        if ready == 0 {
-            return Err(Error::OutOfMemory { what: "marks" });
+        // Without memory for all there are fewer threads.
+        let mut ready = 0;
+        for cavity in cavities.iter_mut() {
+            match cavity.reserve(room, vertices, control) {
+                Ok(()) => ready += 1,
+                Err(Error::OutOfMemory { .. }) if ready > 0 => break,
+                Err(error) => return Err(error),
+            }
         }
         // Should a callback panic, no half-made tetrahedra remain.
         let mut tets = std::mem::take(&mut self.topology.tets);
@@ -265,34 +284,63 @@ impl Triangulation {
         (duplicates, threads): (&[(usize, u32)], usize),
         control: &Control,
     ) -> Result<Vec<u32>, Error> {
-        let mut new_id: Vec<u32> = memory::with_room(base + points.len(), "ids")?;
-        let mut ids: Vec<u32> = memory::with_room(points.len(), "ids")?;
+        let mut new_id = memory::room_in_pieces::<u32>(base + points.len(), "ids", control)?;
+        let mut ids = memory::room_in_pieces::<u32>(points.len(), "ids", control)?;
         new_id.extend(0..base as u32);
         ids.extend(base as u32..(base + points.len()) as u32);
         self.points.truncate(base);
         if duplicates.is_empty() {
-            new_id.extend(order.iter().map(|&i| base as u32 + i));
-            self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
+            for (order, points) in order.chunks(PART).zip(points.chunks(PART)) {
+                control.check()?;
+                new_id.extend(order.iter().map(|&i| base as u32 + i));
+                self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
+            }
         } else {
             new_id.resize(base + points.len(), NONE);
-            for (done, &i) in order.iter().enumerate() {
-                ids[i as usize] = (base + done) as u32;
-            }
-            for &(done, at) in duplicates {
-                ids[order[done] as usize] = at;
-            }
-            for (id, &point) in ids.iter_mut().zip(points) {
-                let entry = &mut new_id[*id as usize];
-                if *entry == NONE {
-                    *entry = self.points.len() as u32;
-                    self.points.push(point + DVec3::ZERO);
+            for (part, order) in order.chunks(PART).enumerate() {
+                control.check()?;
+                for (done, &i) in (part * PART..).zip(order) {
+                    ids[i as usize] = (base + done) as u32;
                 }
-                *id = *entry;
+            }
+            for part in duplicates.chunks(PART) {
+                control.check()?;
+                for &(done, at) in part {
+                    ids[order[done] as usize] = at;
+                }
+            }
+            for (ids, points) in ids.chunks_mut(PART).zip(points.chunks(PART)) {
+                control.check()?;
+                for (id, &point) in ids.iter_mut().zip(points) {
+                    let entry = &mut new_id[*id as usize];
+                    if *entry == NONE {
+                        *entry = self.points.len() as u32;
+                        self.points.push(point + DVec3::ZERO);
+                    }
+                    *id = *entry;
+                }
             }
         }
-        self.topology.try_renumber(&new_id, self.points.len(), threads, control)?;
-        Ok(ids)
+        self.topology.renumber(&new_id, self.points.len(), threads, control)?;
+        Ok(ids.keep())
     }
+}
+
+/// Two ordered lists of numbers as one.
+fn merged<'a>(lists: [&[u32]; 2], control: &'a Control) -> Result<InPieces<'a, Vec<u32>>, Error> {
+    let [mut a, mut b] = lists;
+    let mut all = memory::room_in_pieces(a.len() + b.len(), "order", control)?;
+    while let (Some(&x), Some(&y)) = (a.first(), b.first()) {
+        if all.len() % PART == 0 {
+            control.check()?;
+        }
+        let from = if x < y { &mut a } else { &mut b };
+        all.push(x.min(y));
+        *from = &from[1..];
+    }
+    all.extend_from_slice(a);
+    all.extend_from_slice(b);
+    Ok(all)
 }
 
 #[cfg(test)]

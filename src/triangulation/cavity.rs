@@ -13,7 +13,8 @@ use super::star::StarBuilder;
 use super::topology::{slot_of, tet_of, Topology, GHOST};
 use super::Triangulation;
 use crate::geometry::Filter;
-use crate::{memory, Error};
+use crate::leavings::Leavings;
+use crate::{memory, Control, Error};
 
 /// The cavity of one point, and scratch memory to find the next one in.
 #[derive(Clone, Debug, Default)]
@@ -56,11 +57,13 @@ impl Cavity {
         self.entries.clear();
     }
 
-    /// Memory for cavities among that many tetrahedra and vertices, or `false` where there is none.
-    pub(crate) fn reserve(&mut self, tetrahedra: usize, vertices: usize) -> bool {
+    /// Memory for cavities among that many tetrahedra and vertices.
+    pub(crate) fn reserve(&mut self, tetrahedra: usize, vertices: usize, control: &Control) -> Result<(), Error> {
         self.clear();
-        (self.marks.len() >= tetrahedra || zeroed(tetrahedra).map(|marks| self.marks = marks).is_some())
-            && self.labels.reserve(vertices)
+        if self.marks.len() < tetrahedra {
+            self.marks = memory::zeroed(tetrahedra, "marks", control)?.keep();
+        }
+        self.labels.reserve(vertices, control)
     }
 
     /// Makes room for marks of so many tetrahedra, so that the next search asks for no memory.
@@ -94,9 +97,10 @@ impl Cavity {
     }
 }
 
-/// A list of zeros; `None` when there is no memory for it.
-pub(super) fn zeroed<T: Copy + Default>(count: usize) -> Option<Vec<T>> {
-    memory::zeroed(count, "marks").ok()
+impl Leavings for Cavity {
+    fn give_back(&mut self) -> bool {
+        self.marks.give_back() || self.labels.give_back()
+    }
 }
 
 impl Triangulation {

@@ -3,13 +3,22 @@
 use glam::DVec3;
 
 use super::cavity::Cavity;
+use super::journal::Journal;
 use super::order::try_spatial_order;
 use super::pass::POLL_INTERVAL;
 use super::site::Site;
 use super::topology::{tet_of, GHOST, MAX_VERTICES};
 use super::Triangulation;
-use crate::geometry::{check_points, check_range, Sign};
+use crate::geometry::{check_range, Sign};
 use crate::{memory, Control, Error};
+
+/// What to go back to when many points can't be inserted.
+enum Before {
+    Nothing,
+    Same,
+    Journal(Box<Journal>),
+    Copy(Box<Triangulation>),
+}
 
 /// What became of an inserted point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,22 +29,26 @@ pub struct Inserted {
     pub is_new: bool,
 }
 
-/// Insertions smaller than this can't be cancelled half-way, and need no copy to go back to.
-const UNINTERRUPTED: usize = 1024;
+/// Fewer points than these are inserted one by one, with a [journal](super::journal) to go back by; for more there is a copy.
+const FEW: usize = 1024;
+/// How many tetrahedra a point brings, and a little more.
+const TETRAHEDRA_A_POINT: usize = 8;
+/// Points that are checked between two looks at the control.
+const PART: usize = 1 << 16;
 
 impl Triangulation {
     /// Inserts one point. `hint` is a vertex near it, if one is known. A new vertex takes the id of the vertex removed last, if there is one.
     ///
     /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
     pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
-        self.insert_as(self.next_vertex(), point, hint, &Control::new())
+        self.insert_as((self.next_vertex(), point), hint, None, &Control::new())
     }
 
-    fn insert_as(
+    pub(super) fn insert_as(
         &mut self,
-        vertex: u32,
-        point: DVec3,
+        (vertex, point): (u32, DVec3),
         hint: Option<u32>,
+        journal: Option<&mut Journal>,
         control: &Control,
     ) -> Result<Inserted, Error> {
         check_range(0, point)?;
@@ -45,7 +58,7 @@ impl Triangulation {
         self.filter.extend(point);
         let start = self.start(hint);
         let slots = self.points.len();
-        let found = self.insert_new(vertex, point, start, control);
+        let found = self.insert_new(vertex, point, start, journal, control);
         if !matches!(found, Ok(inserted) if inserted.is_new) {
             self.unstore(vertex, slots);
         }
@@ -57,46 +70,55 @@ impl Triangulation {
     ///
     /// Many points are inserted by [several threads](Self::set_threads) if there may be more than one; the result is the same in every byte.
     ///
-    /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it already
-    /// has tetrahedra and more than a thousand points come at once.
+    /// Cost: near-linear for points without adverse structure; a copy of the triangulation is kept for going back when it has
+    /// vertices already and more than a thousand points come at once.
     pub fn insert_many(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
         // Before a look at any of them: no memory holds too many.
         self.check_room(points.len())?;
-        check_points(points)?;
+        for (i, part) in points.chunks(PART).enumerate() {
+            if !control.poll() {
+                return Ok(None);
+            }
+            part.iter().enumerate().try_for_each(|(j, &point)| check_range(i * PART + j, point))?;
+        }
         if !control.poll() {
             return Ok(None);
         }
         // To go back to nothing no copy is needed, and the memory stays for another try.
-        let from_nothing = self.points.is_empty();
-        let copy =
-            || if from_nothing || points.len() < UNINTERRUPTED { Ok(None) } else { self.try_clone(control).map(Some) };
-        let before = match copy() {
-            Ok(before) => before,
-            Err(Error::Cancelled) => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        if points.len() > 1 && self.dimension() == 3 {
-            // Without a copy to go back to, what memory is needed is asked for before the first insertion.
-            self.topology.reserve(16 * points.len())?;
-        }
-        let fallback = |this: &mut Self, before: Option<Triangulation>| match before {
-            Some(before) => *this = before,
-            None if from_nothing => this.clear(),
-            None => {}
-        };
-        let base = self.points.len();
-        match self.insert_all(points, control) {
-            Ok(Some(ids)) => Ok(Some(ids)),
-            Ok(None) | Err(Error::Cancelled) => {
-                fallback(self, before);
-                Ok(None)
+        let before = if self.points.is_empty() {
+            Before::Nothing
+        } else if points.len() == 1 {
+            // That changes nothing when it fails.
+            Before::Same
+        } else if points.len() < FEW {
+            Before::Journal(Box::new(Journal::new(self)))
+        } else {
+            // The work is done on the copy, which has the room for it.
+            match self.try_clone_with_room(TETRAHEDRA_A_POINT * points.len(), control) {
+                Ok(copy) => Before::Copy(Box::new(std::mem::replace(self, copy))),
+                Err(Error::Cancelled) => return Ok(None),
+                Err(error) => return Err(error),
             }
-            Err(error) => {
-                debug_assert!(before.is_some() || from_nothing || self.points.len() == base);
-                fallback(self, before);
-                Err(error)
-            }
+        };
+        let mut before = before;
+        let journal = match &mut before {
+            Before::Journal(journal) => Some(&mut **journal),
+            _ => None,
+        };
+        let inserted = match self.insert_all(points, journal, control) {
+            Err(Error::Cancelled) => Ok(None),
+            other => other,
+        };
+        let done = matches!(inserted, Ok(Some(_)));
+        match before {
+            Before::Copy(copy) if done => control.give_back(*copy),
+            _ if done => {}
+            Before::Nothing => self.clear(control),
+            Before::Same => {}
+            Before::Journal(journal) => journal.undo(self),
+            Before::Copy(copy) => control.give_back(std::mem::replace(self, *copy)),
         }
+        inserted
     }
 
     fn check_room(&self, more: usize) -> Result<(), Error> {
@@ -107,22 +129,30 @@ impl Triangulation {
         Ok(())
     }
 
-    fn insert_all(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
+    fn insert_all(
+        &mut self,
+        points: &[DVec3],
+        mut journal: Option<&mut Journal>,
+        control: &Control,
+    ) -> Result<Option<Vec<u32>>, Error> {
         let mut ids = memory::with_room(points.len(), "ids")?;
         // Until a volume is spanned, and when they are few: one after the other.
         let mut rest = points;
         while let Some((&point, others)) = rest.split_first() {
-            if self.dimension() == 3 && points.len() >= UNINTERRUPTED {
+            if self.dimension() == 3 && points.len() >= FEW {
                 break;
             }
-            if ids.len() % POLL_INTERVAL == 0 && points.len() >= UNINTERRUPTED {
+            let goes_on = if ids.len() % POLL_INTERVAL == 0 && points.len() >= FEW {
                 let fraction = ids.len() as f64 / points.len() as f64;
-                if !control.report("delaunay", fraction, self.vertex_count()) {
-                    return Ok(None);
-                }
+                control.report("delaunay", fraction, self.vertex_count())
+            } else {
+                control.poll()
+            };
+            if !goes_on {
+                return Ok(None);
             }
             let vertex = if points.len() == 1 { self.next_vertex() } else { self.points.len() as u32 };
-            ids.push(self.insert_as(vertex, point, None, control)?.vertex);
+            ids.push(self.insert_as((vertex, point), None, journal.as_deref_mut(), control)?.vertex);
             rest = others;
         }
         if rest.is_empty() {
@@ -136,35 +166,58 @@ impl Triangulation {
 
     /// Stores `point` as that vertex and inserts it. When it is not new or fails, the caller takes it off again.
     #[inline]
-    fn insert_new(&mut self, vertex: u32, point: DVec3, start: u32, control: &Control) -> Result<Inserted, Error> {
+    fn insert_new(
+        &mut self,
+        vertex: u32,
+        point: DVec3,
+        start: u32,
+        journal: Option<&mut Journal>,
+        control: &Control,
+    ) -> Result<Inserted, Error> {
         self.store(vertex, point);
         if self.dimension() < 3 {
-            return self.insert_lower(vertex, point, control);
+            return self.insert_lower(vertex, point, journal, control);
         }
-        self.insert_stored(vertex, start)
+        self.insert_noted(vertex, start, journal)
     }
 
-    fn insert_lower(&mut self, vertex: u32, point: DVec3, control: &Control) -> Result<Inserted, Error> {
+    fn insert_lower(
+        &mut self,
+        vertex: u32,
+        point: DVec3,
+        journal: Option<&mut Journal>,
+        control: &Control,
+    ) -> Result<Inserted, Error> {
         if let Some(vertex) = self.lower.find(point) {
             return Ok(Inserted { vertex, is_new: false });
         }
+        let dimension = self.lower.dimension();
         if let Some(basis) = self.lower.add(vertex, point, &self.points) {
             if let Err(error) = self.raise(basis, control) {
                 self.topology.clear_tetrahedra();
-                self.lower.take_back(point);
+                self.lower.take_back(point, true);
                 return Err(error);
             }
-            self.lower.forget_points();
+            let by_point = self.lower.forget_points(point);
+            match journal {
+                Some(journal) => journal.note_raise(by_point),
+                None => control.give_back(by_point),
+            }
+        } else if let Some(journal) = journal {
+            journal.note_lower(point, self.lower.dimension() > dimension);
         }
         Ok(Inserted { vertex, is_new: true })
     }
 
     /// Triangulates all vertices, of which four span a volume since the last one came.
     fn raise(&mut self, basis: [u32; 4], control: &Control) -> Result<(), Error> {
-        let mut vertices: Vec<u32> = memory::with_room(self.vertex_count(), "vertices")?;
+        let mut vertices = memory::room_in_pieces::<u32>(self.vertex_count(), "vertices", control)?;
         vertices.extend(self.vertices());
-        let mut points: Vec<DVec3> = memory::with_room(vertices.len(), "points")?;
-        points.extend(vertices.iter().map(|&v| self.at(v)));
+        let mut points = memory::room_in_pieces::<DVec3>(vertices.len(), "points", control)?;
+        for part in vertices.chunks(PART) {
+            control.check()?;
+            points.extend(part.iter().map(|&v| self.at(v)));
+        }
         let order = try_spatial_order(&points, control)?.into_iter().map(|i| vertices[i as usize]);
         self.start_from(basis);
         for (turn, v) in order.filter(|v| !basis.contains(v)).enumerate() {
@@ -213,6 +266,12 @@ impl Triangulation {
     /// Inserts a vertex whose point is stored, in dimension 3.
     #[inline]
     pub(super) fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
+        self.insert_noted(vertex, start, None)
+    }
+
+    /// [`insert_stored`](Self::insert_stored), with a note in the journal.
+    #[inline]
+    fn insert_noted(&mut self, vertex: u32, start: u32, journal: Option<&mut Journal>) -> Result<Inserted, Error> {
         let point = self.at(vertex);
         let t = self.walk(point, start);
         if let Some(at) = self.vertex_at(t, point) {
@@ -221,7 +280,14 @@ impl Triangulation {
         }
         let mut cavity = std::mem::take(&mut self.scratch);
         self.find_cavity(&self.filter, point, t, &mut cavity);
-        let result = self.commit(vertex, &mut cavity, true);
+        let noted = journal.map_or(Ok(()), |journal| journal.note(self, &cavity));
+        let result = match noted {
+            Ok(()) => self.commit(vertex, &mut cavity, true),
+            Err(error) => {
+                cavity.clear();
+                Err(error)
+            }
+        };
         self.scratch = cavity;
         result.map(|()| Inserted { vertex, is_new: true })
     }

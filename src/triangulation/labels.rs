@@ -1,8 +1,8 @@
 //! Small numbers for the vertices of a cavity, given while it is [searched](super::search): each tetrahedron that is found brings one vertex that
 //! may be new. So that nothing has to be cleared, numbers go on from cavity to cavity.
 
-use super::cavity::zeroed;
-use crate::{memory, Error};
+use crate::leavings::Leavings;
+use crate::{memory, Control, Error};
 
 /// The first number of a cavity is a multiple of this: the lowest bits of the first so many count from 0.
 pub(super) const ALIGNMENT: u32 = 256;
@@ -81,9 +81,18 @@ impl Labels {
         memory::reserve(&mut self.of, more, "labels")
     }
 
-    /// Memory for that many vertices, or `false` where there is none. The numbers that were given are gone then.
-    pub fn reserve(&mut self, vertices: usize) -> bool {
-        self.of.len() > vertices || zeroed(vertices + 1).map(|of| *self = Labels { of, ..Labels::default() }).is_some()
+    /// Memory for that many vertices. The numbers that were given are gone then.
+    pub fn reserve(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
+        if self.of.len() <= vertices {
+            *self = Labels { of: memory::zeroed(vertices + 1, "labels", control)?.keep(), ..Labels::default() };
+        }
+        Ok(())
+    }
+}
+
+impl Leavings for Labels {
+    fn give_back(&mut self) -> bool {
+        self.of.give_back()
     }
 }
 
@@ -133,7 +142,7 @@ mod tests {
         labels.next = u32::MAX - ALIGNMENT;
         assert_eq!(number(&mut labels, &[4, GHOST, 3], 1000), [0, 1, 2]);
         assert_eq!(labels.next, ALIGNMENT + 3);
-        assert!(labels.reserve(5000));
+        labels.reserve(5000, &Control::new()).unwrap();
         assert_eq!(number(&mut labels, &[4999, 4], 5000), [0, 1]);
     }
 }

@@ -8,6 +8,7 @@
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
 //! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
+//! | `journal` | insertions taken back |
 //! | `locate` | where a point lies |
 //! | `insert` | one point, or a few |
 //! | `bulk` | many points in a spatial order |
@@ -27,6 +28,7 @@
 mod bulk;
 pub mod cavity;
 mod insert;
+mod journal;
 mod labels;
 mod locate;
 mod lower;
@@ -46,8 +48,10 @@ mod vertices;
 use glam::DVec3;
 
 use crate::geometry::Filter;
+use crate::leavings::{InPieces, Leavings};
 use crate::{memory, Control, Error};
 use cavity::Cavity;
+pub(crate) use lower::ByPoint;
 use lower::Lower;
 use topology::{Topology, GHOST, NONE};
 
@@ -90,28 +94,43 @@ pub(crate) fn least_edge(low: DVec3, high: DVec3) -> f64 {
     ((high - low).length() * power(40)).max(low.abs().max(high.abs()).max_element() * power(46))
 }
 
+impl Leavings for Triangulation {
+    fn give_back(&mut self) -> bool {
+        let Triangulation { points, gaps, topology, lower, scratch, hole, .. } = self;
+        points.give_back()
+            || gaps.give_back()
+            || topology.give_back()
+            || lower.give_back()
+            || scratch.give_back()
+            || hole.give_back()
+    }
+}
+
 impl Triangulation {
     /// A copy, unless memory is lacking; [`Error::Cancelled`] when the control says stop. Scratch memory is not copied.
     pub fn try_clone(&self, control: &Control) -> Result<Triangulation, Error> {
-        Ok(Triangulation {
-            points: memory::copied(&self.points, "points", control)?,
-            gaps: self.gaps.clone(),
-            topology: self.topology.try_clone(control)?,
-            filter: self.filter.clone(),
-            lower: self.lower.clone(),
-            last: self.last,
-            scratch: Cavity::default(),
-            hole: remove::Scratch::default(),
-            threads: self.threads,
-        })
+        self.try_clone_with_room(0, control)
     }
 
-    /// Forgets all points and keeps their memory for the next ones.
-    fn clear(&mut self) {
+    /// [`try_clone`](Self::try_clone), with room for so many more tetrahedra.
+    fn try_clone_with_room(&self, more: usize, control: &Control) -> Result<Triangulation, Error> {
+        let Triangulation { filter, last, threads, .. } = self;
+        let (filter, last, threads) = (filter.clone(), *last, *threads);
+        let mut copy = InPieces::new(Triangulation { filter, last, threads, ..Triangulation::default() }, control);
+        copy.points = memory::copied(&self.points, "points", control)?;
+        copy.gaps = self.gaps.try_clone(control)?;
+        copy.topology = self.topology.try_clone(more, control)?;
+        copy.lower = self.lower.try_clone(control)?;
+        Ok(copy.keep())
+    }
+
+    /// Forgets all points and keeps the memory of the largest lists for the next ones.
+    fn clear(&mut self, control: &Control) {
         let Triangulation { points, gaps, topology, filter, lower, last, .. } = self;
         points.clear();
         topology.clear();
-        (*gaps, *filter, *lower, *last) = Default::default();
+        control.give_back(std::mem::take(lower));
+        (*gaps, *filter, *last) = Default::default();
     }
 
     /// The bytes of its large arrays, with those that they will take besides when they next grow, if that is near.

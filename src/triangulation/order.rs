@@ -11,6 +11,8 @@ use glam::DVec3;
 
 use super::partition::{depth, sample, Division, Planes};
 use super::threads::share_out;
+use crate::leavings::{Each, InPieces, Leavings};
+use crate::sorting::sort;
 use crate::{memory, Control, Error};
 
 /// Bits an axis of the Hilbert key.
@@ -25,6 +27,8 @@ const GROWTH: f64 = 7.5;
 const BUCKET: usize = 1024;
 const MAX_CURVE_BITS: u32 = 12;
 const MAX_BUCKET_BITS: u32 = 14;
+/// Points between two looks at the control.
+const POLL_INTERVAL: usize = 1 << 12;
 /// Points that a thread takes at once, at least, and into how many parts it is that they are divided at most.
 const PART: usize = 1 << 15;
 const MAX_PARTS: usize = 32;
@@ -51,6 +55,12 @@ pub(super) struct Round {
     pub depth: u32,
 }
 
+impl Leavings for Round {
+    fn give_back(&mut self) -> bool {
+        self.zone.give_back() || self.rest.give_back()
+    }
+}
+
 impl Round {
     /// All of them, in the order of insertion.
     pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
@@ -72,8 +82,11 @@ pub fn try_spatial_order(points: &[DVec3], control: &Control) -> Result<Vec<u32>
 impl SpatialOrder {
     /// The order to insert `points` in; the threads only make it faster. [`Error::Cancelled`] when the control says stop.
     pub fn new(points: &[DVec3], threads: usize, control: &Control) -> Result<SpatialOrder, Error> {
-        let (low, high) =
-            points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for part in points.chunks(PART) {
+            control.check()?;
+            (low, high) = part.iter().fold((low, high), |(low, high), &p| (low.min(p), high.max(p)));
+        }
         let limits = round_limits(points.len());
         // How many points a round has, for each of them, and its division.
         let mut shares = limits.clone();
@@ -81,7 +94,10 @@ impl SpatialOrder {
         (1..shares.len()).rev().for_each(|i| shares[i] -= shares[i - 1]);
         let counts = shares.iter().map(|share| (share * points.len() as f64) as usize);
         let max_depth = counts.clone().map(depth).max().unwrap_or(0);
-        let sample = if max_depth > 0 { sample(points, max_depth) } else { Vec::new() };
+        let sample: Vec<DVec3> = match max_depth {
+            0 => Vec::new(),
+            depth => sample(points.len(), depth).map(|i| points[i]).collect(),
+        };
         let divide = |count| match depth(count) {
             0 => Division::none(),
             depth => Division::new(sample.clone(), count, depth, Planes::AlongAxes),
@@ -95,7 +111,7 @@ impl SpatialOrder {
         };
         let curves: Vec<(DVec3, f64)> = last.boxes(low, high).into_iter().map(curve).collect();
 
-        let mut keys = memory::zeroed::<(u64, u32)>(points.len(), "keys")?;
+        let mut keys = memory::zeroed::<(u64, u32)>(points.len(), "keys", control)?;
         let curve_bits = (points.len() / BUCKET).next_power_of_two().trailing_zeros();
         let bits = last.depth() + curve_bits.min(MAX_CURVE_BITS).min(MAX_BUCKET_BITS - last.depth());
         let buckets = 1 << bits;
@@ -104,13 +120,14 @@ impl SpatialOrder {
         // How many of each part of the points come to each bucket.
         let part_size = points.len().div_ceil(MAX_PARTS).max(PART);
         let mut counts = vec![0u32; buckets * points.len().div_ceil(part_size)];
+        let watch = control.watch();
         let parts =
             keys.chunks_mut(part_size).zip(points.chunks(part_size)).zip(counts.chunks_mut(buckets)).enumerate();
         share_out(threads, parts, |(part, ((keys, points), counts))| {
-            if !control.poll() {
-                return;
-            }
             for ((key, &point), i) in keys.iter_mut().zip(points).zip(part * part_size..) {
+                if i % POLL_INTERVAL == 0 && !watch.poll() {
+                    return;
+                }
                 let chance = (splitmix(i as u64) >> 11) as f64 / (1u64 << 53) as f64;
                 let round: usize = limits.iter().map(|&limit| usize::from(chance >= limit)).sum();
                 let (territory, mut in_zone) = last.place(point);
@@ -124,11 +141,10 @@ impl SpatialOrder {
                 counts[bucket(key.0)] += 1;
             }
         });
-
-        control.check()?;
+        watch.end()?;
 
         // Each part has its own room in each bucket.
-        let mut sorted = memory::zeroed::<(u64, u32)>(points.len(), "keys")?;
+        let mut sorted = memory::zeroed::<(u64, u32)>(points.len(), "keys", control)?;
         let mut rooms: Vec<Vec<&mut [(u64, u32)]>> =
             counts.chunks(buckets).map(|_| Vec::with_capacity(buckets)).collect();
         let mut rest = &mut sorted[..];
@@ -145,10 +161,10 @@ impl SpatialOrder {
             *bucket_end = end;
         }
         share_out(threads, keys.chunks(part_size).zip(rooms), |(keys, mut rooms)| {
-            if !control.poll() {
-                return;
-            }
-            for &key in keys {
+            for (i, &key) in keys.iter().enumerate() {
+                if i % POLL_INTERVAL == 0 && !watch.poll() {
+                    return;
+                }
                 let room = &mut rooms[bucket(key.0)];
                 if let Some((first, rest)) = std::mem::take(room).split_first_mut() {
                     *first = key;
@@ -156,32 +172,33 @@ impl SpatialOrder {
                 }
             }
         });
+        watch.end()?;
         drop(keys);
-        control.check()?;
 
-        let mut order = memory::zeroed::<u32>(points.len(), "order")?;
+        let mut order = memory::zeroed::<u32>(points.len(), "order", control)?;
         let parts = Buckets { sorted: &mut sorted, order: &mut order, ends: &ends, done: 0 };
         share_out(threads, parts, |(sorted, order)| {
-            if !control.poll() {
-                return;
+            if sort(sorted, &watch).is_ok() {
+                order.iter_mut().zip(sorted).for_each(|(i, key)| *i = key.1);
             }
-            sorted.sort_unstable();
-            order.iter_mut().zip(sorted).for_each(|(i, key)| *i = key.1);
         });
-        control.check()?;
-        let mut rounds: Vec<Round> =
-            divisions.iter().map(|division| Round { depth: division.depth(), ..Round::default() }).collect();
+        watch.end()?;
+        let rounds = divisions.iter().map(|division| Round { depth: division.depth(), ..Round::default() }).collect();
+        let mut rounds = InPieces::new(Each(rounds), control);
         // Most are the last round's.
-        if let Some(last) = rounds.last_mut() {
+        if let Some(last) = rounds.0.last_mut() {
             memory::reserve(&mut last.rest, points.len(), "order")?;
         }
         for (i, &(key, _)) in sorted.iter().enumerate() {
-            let round = &mut rounds[(key >> 1 & ((1 << ROUND_BITS) - 1)) as usize];
+            if i % PART == 0 {
+                control.check()?;
+            }
+            let round = &mut rounds.0[(key >> 1 & ((1 << ROUND_BITS) - 1)) as usize];
             if key & 1 == 1 { &mut round.zone } else { &mut round.rest }.push(i as u32);
         }
         let end = |territory: u64| sorted.partition_point(|&(key, _)| key >> (KEY_BITS + REST_BITS) <= territory);
         let ends = (0..1 << last.depth()).map(end).collect();
-        Ok(SpatialOrder { order, rounds, ends })
+        Ok(SpatialOrder { order: order.keep(), rounds: rounds.keep().0, ends })
     }
 }
 

@@ -13,6 +13,7 @@ use glam::DVec3;
 
 use super::order::splitmix;
 use super::territory::{Ids, Own, NOBODY};
+use crate::{memory, Control, Error};
 
 /// So many points are divided in two.
 const POINTS: usize = 1 << 16;
@@ -34,13 +35,10 @@ pub(super) fn depth(points: usize) -> u32 {
     depth
 }
 
-/// Some of the points, enough to divide them all; the same ones each time.
-pub(super) fn sample(points: &[DVec3], depth: u32) -> Vec<DVec3> {
+/// The positions of some of so many points, enough to divide them all; the same ones each time.
+pub(super) fn sample(points: usize, depth: u32) -> impl Iterator<Item = usize> {
     let count = SAMPLE << depth;
-    if count >= points.len() {
-        return points.to_vec();
-    }
-    (0..count as u64).map(|i| points[(splitmix(i) % points.len() as u64) as usize]).collect()
+    (0..count.min(points)).map(move |i| if count >= points { i } else { (splitmix(i as u64) % points as u64) as usize })
 }
 
 /// Which way the planes lie.
@@ -138,14 +136,23 @@ impl Division {
         points: &[DVec3],
         pending: &[u32],
         present: impl Iterator<Item = u32>,
-    ) -> (Vec<u32>, Partition) {
-        let mut labels = vec![NOBODY; points.len() + 1];
-        for v in present {
+        control: &Control,
+    ) -> Result<(Vec<u32>, Partition), Error> {
+        /// Points between two looks at the control.
+        const PART: usize = 1 << 15;
+        let mut labels = memory::filled(points.len() + 1, NOBODY, "labels", control)?.keep();
+        for (turn, v) in present.enumerate() {
+            if turn % PART == 0 {
+                control.check()?;
+            }
             labels[v as usize + 1] = self.place(points[v as usize]).0;
         }
         let mut zone = Vec::new();
         let mut own = vec![Vec::new(); 1 << self.depth];
-        for &v in pending {
+        for (turn, &v) in pending.iter().enumerate() {
+            if turn % PART == 0 {
+                control.check()?;
+            }
             let (territory, in_zone) = self.place(points[v as usize]);
             labels[v as usize + 1] = territory;
             if in_zone {
@@ -156,7 +163,7 @@ impl Division {
         }
         let mut ends: Vec<usize> = own.iter().map(Vec::len).collect();
         (1..ends.len()).for_each(|i| ends[i] += ends[i - 1]);
-        (zone, Partition { pending: own.concat(), ends, territories: Territories::Labels(labels) })
+        Ok((zone, Partition { pending: own.concat(), ends, territories: Territories::Labels(labels) }))
     }
 }
 
@@ -261,6 +268,10 @@ mod tests {
             .collect()
     }
 
+    fn sampled(points: &[DVec3]) -> Vec<DVec3> {
+        sample(points.len(), 3).map(|i| points[i]).collect()
+    }
+
     /// Which territory a vertex is in.
     fn whose(partition: &Partition, v: u32) -> Option<usize> {
         let is_in = |&territory: &usize| {
@@ -285,8 +296,9 @@ mod tests {
         let points = points();
         let (pending, present): (Vec<u32>, Vec<u32>) = (0..39_000).partition(|i| i % 3 != 0);
         for kind in [Planes::AlongAxes, Planes::Oblique] {
-            let division = Division::new(sample(&points, 3), pending.len(), 3, kind);
-            let (zone, partition) = division.share(&points, &pending, present.iter().copied());
+            let division = Division::new(sampled(&points), pending.len(), 3, kind);
+            let (zone, partition) =
+                division.share(&points, &pending, present.iter().copied(), &Control::new()).unwrap();
             assert_eq!(partition.count(), 8);
             assert!(zone.is_sorted());
             assert!(zone.len() > pending.len() / 50 && zone.len() < pending.len() * 9 / 10, "{}", zone.len());
@@ -317,7 +329,7 @@ mod tests {
     #[test]
     fn a_tree_of_less_depth_has_the_same_planes() {
         let points = points();
-        let sample = sample(&points, 3);
+        let sample = sampled(&points);
         let deep = Division::new(sample.clone(), points.len(), 3, Planes::AlongAxes);
         let shallow = Division::new(sample, points.len() / 7, 1, Planes::AlongAxes);
         for &p in &points {
@@ -333,7 +345,7 @@ mod tests {
         let points = points();
         let filter = crate::geometry::Filter::for_points(&points);
         let (low, high) = filter.bounding_box();
-        let division = Division::new(sample(&points, 3), points.len(), 3, Planes::AlongAxes);
+        let division = Division::new(sampled(&points), points.len(), 3, Planes::AlongAxes);
         let boxes = division.boxes(low, high);
         assert_eq!(boxes.len(), 8);
         for p in points {
@@ -349,7 +361,7 @@ mod tests {
         let points = vec![DVec3::ONE; 1000];
         let pending: Vec<u32> = (0..1000).collect();
         let division = Division::new(points.clone(), 1000, 3, Planes::AlongAxes);
-        let (zone, partition) = division.share(&points, &pending, std::iter::empty());
+        let (zone, partition) = division.share(&points, &pending, std::iter::empty(), &Control::new()).unwrap();
         assert_eq!(zone.len() + partition.pending.len(), 1000);
         assert_eq!(division.place(DVec3::ONE), division.place(points[7]));
     }

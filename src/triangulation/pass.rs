@@ -185,12 +185,14 @@ impl Pass<'_> {
             told = turn - put_off;
         };
         for (turn, &vertex) in pending.iter().enumerate() {
-            if turn % POLL_INTERVAL == 0 {
+            let asks = turn % POLL_INTERVAL == 0;
+            if asks {
                 tell(turn, outcome.put_off.len());
-                if !go_on() {
-                    outcome.stopped = true;
-                    return outcome;
-                }
+            }
+            // A cancellation from another thread is seen at once.
+            if !self.control.poll() || asks && !go_on() {
+                outcome.stopped = true;
+                return outcome;
             }
             // SAFETY: the starts have two own vertices, so that nobody else replaces them: as long as this thread does not do so they are
             // live, and after it their places are its own. So is the last tetrahedron. The cavity is empty, with room for all. What it holds,

@@ -25,7 +25,8 @@ use super::Triangulation;
 use crate::domain::label::OUTSIDE;
 use crate::geometry::predicates::{collinear, orient3d};
 use crate::geometry::{check_range, Filter, Sign};
-use crate::Error;
+use crate::leavings::{InPieces, Leavings};
+use crate::{Control, Error};
 
 /// Vertices that go, and a point that comes in their place.
 #[derive(Clone, Copy, Debug, Default)]
@@ -117,6 +118,8 @@ impl Clone for Scratch {
 const REMOVED: u32 = u32::MAX - 1;
 /// From this size on, a hole's vertices are inserted in a spatial order.
 const SORTED: usize = 256;
+/// Tetrahedra between two looks at the control, where each takes little time.
+const POLL_INTERVAL: usize = 1 << 12;
 
 impl Hole {
     /// Whether a tetrahedron goes.
@@ -164,10 +167,17 @@ impl Triangulation {
     ///
     /// Cost: that of a triangulation of the neighbours by themselves; linear in all vertices when the rest lies in a plane, or did before.
     pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
+        self.remove_within(vertex, &Control::new())
+    }
+
+    /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed. It is not looked at any more once what fills
+    /// the hole is known and is put there, which takes about a tenth of a microsecond a tetrahedron.
+    pub fn remove_within(&mut self, vertex: u32, control: &Control) -> Result<(), Error> {
+        control.check()?;
         let mut hole = self.hole.0.take().unwrap_or_default();
         let result = self
-            .preview(&Replacement { remove: &[vertex], add: None }, &|_| false, &mut hole)
-            .and_then(|()| self.replace(&mut hole).map(|_| ()));
+            .preview_while(&|| control.poll(), &Replacement { remove: &[vertex], add: None }, &|_| false, &mut hole)
+            .and_then(|()| self.replace_within(&mut hole, control).map(|_| ()));
         self.hole.0 = Some(hole);
         result
     }
@@ -186,8 +196,19 @@ impl Triangulation {
         is_wall: &dyn Fn([u32; 3]) -> bool,
         hole: &mut Hole,
     ) -> Result<(), Error> {
+        self.preview_while(&|| true, replacement, is_wall, hole)
+    }
+
+    /// [`preview`](Self::preview) that asks now and then whether it shall go on.
+    fn preview_while(
+        &self,
+        go_on: &dyn Fn() -> bool,
+        replacement: &Replacement,
+        is_wall: &dyn Fn([u32; 3]) -> bool,
+        hole: &mut Hole,
+    ) -> Result<(), Error> {
         self.begin_hole(replacement, hole)?;
-        let result = self.fill(is_wall, hole);
+        let result = self.fill(go_on, is_wall, hole);
         hole.forget_numbers();
         if result.is_err() {
             hole.clear();
@@ -220,7 +241,7 @@ impl Triangulation {
         Ok(())
     }
 
-    fn fill(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
+    fn fill(&self, go_on: &dyn Fn() -> bool, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
         if self.dimension() < 3 {
             hole.flat = true;
             return match hole.add.and_then(|p| self.lower.find(p)) {
@@ -228,20 +249,21 @@ impl Triangulation {
                 _ => Ok(()),
             };
         }
-        self.find_stars(hole);
+        self.find_stars(go_on, hole)?;
         if let Some(p) = hole.add {
             self.find_new_cavity(p, hole)?;
         }
         if hole.going.is_empty() {
             return Ok(());
         }
-        self.find_faces(hole);
-        if self.triangulate_vertices(hole)? {
-            self.flood(hole);
+        self.find_faces(hole, go_on)?;
+        if self.triangulate_vertices(go_on, hole)? {
+            self.flood(go_on, hole)?;
             self.label_coming(is_wall, hole);
         } else {
             hole.flat = true;
-            for t in self.topology.live() {
+            for (turn, t) in self.topology.live().enumerate() {
+                look(turn, go_on)?;
                 if !hole.contains(t) {
                     hole.take(t, self.topology.tet(t).v);
                 }
@@ -251,7 +273,7 @@ impl Triangulation {
     }
 
     /// The stars of the vertices that go.
-    fn find_stars(&self, hole: &mut Hole) {
+    fn find_stars(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<(), Error> {
         for i in 0..hole.remove.len() {
             let t = self.topology.vertex_tet[hole.remove[i] as usize];
             if hole.contains(t) {
@@ -262,6 +284,7 @@ impl Triangulation {
             while next < hole.going.len() {
                 let tet = self.topology.tet(hole.going[next].t);
                 next += 1;
+                look(next, go_on)?;
                 for face in tet.n {
                     let t = tet_of(face);
                     let v = self.topology.tet(t).v;
@@ -272,6 +295,7 @@ impl Triangulation {
                 }
             }
         }
+        Ok(())
     }
 
     /// The tetrahedra in conflict with the new point, to those that go already.
@@ -299,13 +323,14 @@ impl Triangulation {
     }
 
     /// Numbers the hole's vertices, and finds its faces.
-    fn find_faces(&self, hole: &mut Hole) {
+    fn find_faces(&self, hole: &mut Hole, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
         if hole.add.is_some() {
             hole.vertices.push(ADDED);
         }
         hole.by_vertices.clear();
         for i in 0..hole.going.len() {
             let Going { t, v } = hole.going[i];
+            look(i + 1, go_on)?;
             for v in v {
                 if v != GHOST && hole.local[v as usize] == NONE {
                     hole.local[v as usize] = hole.vertices.len() as u32;
@@ -323,11 +348,11 @@ impl Triangulation {
                 hole.faces.push(HoleFace { outside, label });
             }
         }
-        hole.by_vertices.index();
+        hole.by_vertices.index(go_on)
     }
 
     /// Makes the triangulation of the hole's vertices. False when all that is left lies in one plane.
-    fn triangulate_vertices(&self, hole: &mut Hole) -> Result<bool, Error> {
+    fn triangulate_vertices(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<bool, Error> {
         let small = &mut hole.small;
         small.topology.clear_tetrahedra();
         small.topology.vertex_tet.clear();
@@ -354,6 +379,9 @@ impl Triangulation {
         let order = if small.points.len() < SORTED { Vec::new() } else { spatial_order(&small.points) };
         for i in 0..small.points.len() {
             let v = order.get(i).copied().unwrap_or(i as u32);
+            if !go_on() {
+                return Err(Error::Cancelled);
+            }
             if !basis.contains(&v) {
                 small.insert_stored(v, small.last)?;
             }
@@ -362,7 +390,7 @@ impl Triangulation {
     }
 
     /// Finds the small triangulation's tetrahedra inside the hole.
-    fn flood(&self, hole: &mut Hole) {
+    fn flood(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<(), Error> {
         let Hole { small, faces, by_vertices, coming, vertices, number, .. } = hole;
         let small = &small.topology;
         let global = |v: u32| if v == GHOST { GHOST } else { vertices[v as usize] };
@@ -384,6 +412,7 @@ impl Triangulation {
             number[seed as usize] = coming.len() as u32;
             coming.push(bare(seed));
             while next < coming.len() {
+                look(next + 1, go_on)?;
                 let t = coming[next].small;
                 for slot in 0..4 {
                     if let Some(face) = face_at(t, slot) {
@@ -404,6 +433,7 @@ impl Triangulation {
             }
         }
         assert_eq!(found, faces.len(), "a face of the hole is missing from the triangulation of its vertices");
+        Ok(())
     }
 
     /// Spreads the labels from the hole's faces among what comes.
@@ -465,6 +495,11 @@ impl Triangulation {
     /// # Panics
     /// When the triangulation has changed since the preview, before anything else is changed.
     pub fn replace(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
+        self.replace_within(hole, &Control::new())
+    }
+
+    /// [`replace`](Self::replace) that the control can cancel before it begins with changes.
+    fn replace_within(&mut self, hole: &mut Hole, control: &Control) -> Result<Option<u32>, Error> {
         let is_there = |going: &Going| self.topology.tets.get(going.t as usize).is_some_and(|tet| tet.v == going.v);
         assert!(
             hole.remove.iter().all(|&v| self.is_vertex(v)) && hole.going.iter().all(is_there),
@@ -477,7 +512,7 @@ impl Triangulation {
         }
         hole.created.clear();
         if hole.flat {
-            return self.replace_flat(hole);
+            return self.replace_flat(hole, control);
         }
         let new = hole.add.map(|p| {
             let new = self.next_vertex();
@@ -528,33 +563,75 @@ impl Triangulation {
     }
 
     /// [`replace`](Self::replace) where no tetrahedron is left, or was any.
-    fn replace_flat(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
-        let mut anew = self.dimension() == 3;
+    fn replace_flat(&mut self, hole: &mut Hole, control: &Control) -> Result<Option<u32>, Error> {
+        let mut anew = None;
+        if self.dimension() == 3 || hole.remove.iter().any(|&v| self.lower.rests_on(v)) {
+            match self.lower_without(&hole.remove, control) {
+                Ok(found) => anew = Some(found),
+                Err(error) => {
+                    hole.clear();
+                    return Err(error);
+                }
+            }
+        }
         for &v in &hole.remove {
-            anew |= !(anew || self.lower.remove(v, self.at(v)));
+            if anew.is_none() {
+                self.lower.remove(self.at(v));
+            }
             self.free_vertex(v);
         }
-        if anew {
-            self.rebuild_lower();
+        if let Some((lower, filter)) = anew {
+            self.topology.clear_tetrahedra();
+            control.give_back(std::mem::replace(&mut self.lower, lower));
+            self.filter = filter;
         }
         let add = hole.add;
         hole.clear();
         add.map(|p| Ok(self.insert(p, None)?.vertex)).transpose()
     }
 
-    /// Starts anew with vertices that span no volume.
-    pub(super) fn rebuild_lower(&mut self) {
-        self.topology.clear_tetrahedra();
-        self.filter = Filter::default();
-        self.lower = Lower::default();
-        for v in 0..self.points.len() as u32 {
-            if self.is_vertex(v) {
-                let p = self.at(v);
-                self.filter.extend(p);
-                let basis = self.lower.add(v, p, &self.points);
-                debug_assert!(basis.is_none());
-            }
+    /// The state below dimension 3 of all vertices but these, which span no volume, and their filter.
+    pub(super) fn lower_without(&self, removed: &[u32], control: &Control) -> Result<(Lower, Filter), Error> {
+        let mut removed = removed.to_vec();
+        removed.sort_unstable();
+        let (mut lower, mut filter) = (InPieces::new(Lower::default(), control), Filter::default());
+        for (turn, v) in self.vertices().filter(|v| removed.binary_search(v).is_err()).enumerate() {
+            look(turn, &|| control.poll())?;
+            let p = self.at(v);
+            filter.extend(p);
+            let basis = lower.add(v, p, &self.points);
+            debug_assert!(basis.is_none());
         }
+        Ok((lower.keep(), filter))
+    }
+}
+
+/// [`Error::Cancelled`] when it is a turn to ask whether to go on, and the answer is no.
+#[inline]
+fn look(turn: usize, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
+    if turn % POLL_INTERVAL == POLL_INTERVAL - 1 && !go_on() {
+        return Err(Error::Cancelled);
+    }
+    Ok(())
+}
+
+impl Leavings for Scratch {
+    fn give_back(&mut self) -> bool {
+        self.0.as_deref_mut().is_some_and(Leavings::give_back)
+    }
+}
+
+impl Leavings for Hole {
+    fn give_back(&mut self) -> bool {
+        let Hole { going, coming, created, faces, marks, local, small, cavity, .. } = self;
+        going.give_back()
+            || coming.give_back()
+            || created.give_back()
+            || faces.give_back()
+            || marks.give_back()
+            || local.give_back()
+            || small.give_back()
+            || cavity.give_back()
     }
 }
 

@@ -9,6 +9,7 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::threads::share_out;
+use crate::leavings::{InPieces, Leavings};
 use crate::{memory, Control, Error};
 
 /// The vertex at infinity.
@@ -153,21 +154,20 @@ impl Topology {
         memory::reserve(&mut self.vertex_tet, 1, "vertices")
     }
 
-    /// A copy, unless memory is lacking or the control says stop.
-    pub(super) fn try_clone(&self, control: &Control) -> Result<Topology, Error> {
-        Ok(Topology {
-            tets: memory::copied(&self.tets, "tetrahedra", control)?,
-            vertex_tet: memory::copied(&self.vertex_tet, "vertices", control)?,
-            region: memory::copied(&self.region, "regions", control)?,
-            free: memory::copied(&self.free, "tetrahedra", control)?,
-            ghosts: self.ghosts,
-        })
+    /// A copy with room for so many more tetrahedra, unless memory is lacking or the control says stop.
+    pub(super) fn try_clone(&self, more: usize, control: &Control) -> Result<Topology, Error> {
+        let mut copy = InPieces::new(Topology { ghosts: self.ghosts, ..Topology::default() }, control);
+        copy.tets = memory::copied_with_room(&self.tets, more, "tetrahedra", control)?;
+        copy.vertex_tet = memory::copied(&self.vertex_tet, "vertices", control)?;
+        copy.region = memory::copied(&self.region, "regions", control)?;
+        copy.free = memory::copied(&self.free, "tetrahedra", control)?;
+        Ok(copy.keep())
     }
 
     /// Forgets everything but keeps the memory.
     pub(super) fn clear(&mut self) {
-        self.clear_tetrahedra();
         self.vertex_tet.clear();
+        self.clear_tetrahedra();
     }
 
     /// Bytes taken, and to be taken soon.
@@ -318,45 +318,22 @@ impl Topology {
         star
     }
 
-    /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices.
-    pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize) {
-        let finished = self.renumber_with(Vec::with_capacity(new_id.len()), new_id, count, threads, &Control::new());
-        debug_assert!(finished);
-    }
-
-    /// [`renumber`](Self::renumber), unless memory is lacking or the control says stop: then half of it may be done.
-    pub fn try_renumber(
-        &mut self,
-        new_id: &[u32],
-        count: usize,
-        threads: usize,
-        control: &Control,
-    ) -> Result<(), Error> {
-        let incident = memory::with_room(new_id.len(), "vertices")?;
+    /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices. Where memory is lacking or the control says
+    /// stop, half of it may be done.
+    pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize, control: &Control) -> Result<(), Error> {
+        const PART: usize = 1 << 15;
         let more = count.saturating_sub(self.vertex_tet.len());
         memory::reserve(&mut self.vertex_tet, more, "vertices")?;
-        if self.renumber_with(incident, new_id, count, threads, control) {
-            Ok(())
-        } else {
-            Err(Error::Cancelled)
-        }
-    }
-
-    /// Renumbers with this memory; `false` when cancelled.
-    fn renumber_with(
-        &mut self,
-        mut incident: Vec<AtomicU32>,
-        new_id: &[u32],
-        count: usize,
-        threads: usize,
-        control: &Control,
-    ) -> bool {
-        const PART: usize = 1 << 16;
         // First by old ids, which are neighbours in memory where the vertices are in space. The first of a vertex's tetrahedra counts, whoever
         // comes first, and most of the others need but a look.
-        incident.extend((0..new_id.len()).map(|_| AtomicU32::new(NONE)));
+        let mut incident = memory::room_in_pieces(new_id.len(), "vertices", control)?;
+        for block in new_id.chunks(PART) {
+            control.check()?;
+            incident.extend(block.iter().map(|_| AtomicU32::new(NONE)));
+        }
+        let watch = control.watch();
         share_out(threads, self.tets.chunks_mut(PART).enumerate(), |(part, tets)| {
-            if !control.poll() {
+            if !watch.poll() {
                 return;
             }
             for (tet, t) in tets.iter_mut().zip((part * PART) as u32..) {
@@ -374,46 +351,63 @@ impl Topology {
                 }
             }
         });
-        if !control.poll() {
-            return false;
-        }
+        watch.end()?;
         self.vertex_tet.clear();
         self.vertex_tet.resize(count, NONE);
-        for (t, &v) in incident.into_iter().zip(new_id) {
-            let t = t.into_inner();
-            if t != NONE {
-                self.vertex_tet[v as usize] = t;
+        for (incident, new_id) in incident.chunks(PART).zip(new_id.chunks(PART)) {
+            control.check()?;
+            for (t, &v) in incident.iter().zip(new_id) {
+                let t = t.load(Relaxed);
+                if t != NONE {
+                    self.vertex_tet[v as usize] = t;
+                }
             }
         }
-        true
+        Ok(())
     }
 
-    /// Closes the gaps among the tetrahedra and gives their memory back; vertices are renumbered as by [`renumber`](Self::renumber). Returns
-    /// the new place of tetrahedron `keep`.
-    pub fn compact(&mut self, new_id: &[u32], count: usize, keep: u32) -> u32 {
-        let mut place = vec![NONE; self.tets.len()];
+    /// A copy without gaps among the tetrahedra, and the vertices renumbered as by [`renumber`](Self::renumber); and the new place of tetrahedron
+    /// `keep`.
+    pub fn compacted(
+        &self,
+        new_id: &[u32],
+        count: usize,
+        keep: u32,
+        control: &Control,
+    ) -> Result<(Topology, u32), Error> {
+        const PART: usize = 1 << 14;
+        let mut place = memory::room_in_pieces::<u32>(self.tets.len(), "tetrahedra", control)?;
         let mut live = 0;
-        for (t, place) in place.iter_mut().enumerate() {
-            if self.tets[t].is_live() {
-                *place = live as u32;
-                self.tets[live] = self.tets[t];
-                if !self.region.is_empty() {
-                    self.region[live] = self.region[t];
+        for part in self.tets.chunks(PART) {
+            control.check()?;
+            place.extend(part.iter().map(|tet| {
+                live += u32::from(tet.is_live());
+                if tet.is_live() {
+                    live - 1
+                } else {
+                    NONE
                 }
-                live += 1;
+            }));
+        }
+        let mut copy = InPieces::new(Topology { ghosts: self.ghosts, ..Topology::default() }, control);
+        memory::reserve_exact(&mut copy.tets, self.live_count(), "tetrahedra")?;
+        if !self.region.is_empty() {
+            memory::reserve_exact(&mut copy.region, self.live_count(), "regions")?;
+        }
+        for (i, part) in self.tets.chunks(PART).enumerate() {
+            control.check()?;
+            copy.tets.extend(part.iter().filter(|tet| tet.is_live()).map(|tet| Tetrahedron {
+                v: tet.v,
+                n: tet.n.map(|face| 4 * place[tet_of(face) as usize] + slot_of(face) as u32),
+            }));
+            if let Some(labels) = self.region.get(i * PART..) {
+                let live = part.iter().zip(labels).filter(|(tet, _)| tet.is_live());
+                copy.region.extend(live.map(|(_, &label)| label));
             }
         }
-        self.tets.truncate(live);
-        self.tets.shrink_to_fit();
-        self.region.truncate(live);
-        self.region.shrink_to_fit();
-        self.free = Vec::new();
-        for tet in &mut self.tets {
-            tet.n = tet.n.map(|face| 4 * place[tet_of(face) as usize] + slot_of(face) as u32);
-        }
-        self.renumber(new_id, count, 1);
-        self.vertex_tet.shrink_to_fit();
-        place.get(keep as usize).copied().unwrap_or(0)
+        memory::reserve_exact(&mut copy.vertex_tet, count, "vertices")?;
+        copy.renumber(new_id, count, 1, control)?;
+        Ok((copy.keep(), place.get(keep as usize).copied().unwrap_or(0)))
     }
 
     /// Forgets all tetrahedra but no vertex.
@@ -423,6 +417,13 @@ impl Topology {
         self.region.clear();
         self.ghosts = 0;
         self.vertex_tet.fill(NONE);
+    }
+}
+
+impl Leavings for Topology {
+    fn give_back(&mut self) -> bool {
+        let Topology { tets, vertex_tet, region, free, .. } = self;
+        tets.give_back() || vertex_tet.give_back() || region.give_back() || free.give_back()
     }
 }
 

@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use super::topology::{Tetrahedron, NONE};
 use super::Triangulation;
-use crate::geometry::Filter;
-use crate::{memory, Error};
+use crate::leavings::{InPieces, Leavings};
+use crate::{memory, Control, Error};
 
 /// The ids of removed vertices.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +18,19 @@ pub(super) struct Gaps {
     count: usize,
     /// Those of them that may be used again, the next one last.
     free: Vec<u32>,
+}
+
+impl Gaps {
+    /// A copy, unless memory is lacking or the control says stop.
+    pub fn try_clone(&self, control: &Control) -> Result<Gaps, Error> {
+        Ok(Gaps { count: self.count, free: memory::copied(&self.free, "ids", control)? })
+    }
+}
+
+impl Leavings for Gaps {
+    fn give_back(&mut self) -> bool {
+        self.free.give_back()
+    }
 }
 
 impl Triangulation {
@@ -123,47 +136,46 @@ impl Triangulation {
     ///
     /// Cost: linear.
     pub fn compact(&mut self) -> Vec<u32> {
-        self.compact_from(0)
-    }
-
-    /// Whether there is memory to [`compact_from`](Self::compact_from), which would end the process without.
-    pub(crate) fn reserve_compact(&self) -> Result<(), Error> {
-        // Two numbers a vertex and one a tetrahedron, and the shrunken lists.
-        let (vertices, tets) = (self.points.len(), self.topology.tets.len());
-        drop(memory::with_room::<[u32; 2]>(vertices + tets, "ids")?);
-        drop(memory::with_room::<Tetrahedron>(tets, "tetrahedra")?);
-        Ok(())
-    }
-
-    /// [`compact`](Self::compact) that leaves the ids below `first`, and the gaps among them, as they are.
-    pub(crate) fn compact_from(&mut self, first: u32) -> Vec<u32> {
-        let mut new_id = vec![NONE; self.points.len()];
-        let mut next = 0;
-        let mut count = 0;
-        for (v, p) in self.points.iter().enumerate() {
-            if v < first as usize {
-                next = v as u32 + 1;
-                count += usize::from(p.is_nan());
+        match self.compacted(0, &Control::new()) {
+            Ok((compact, new_id)) => {
+                *self = compact;
+                new_id
             }
-            if !p.is_nan() {
-                new_id[v] = if v < first as usize { v as u32 } else { next };
-                next = new_id[v] + 1;
-            }
+            // As other lists of Rust do that find no memory.
+            Err(_) => std::alloc::handle_alloc_error(std::alloc::Layout::new::<Tetrahedron>()),
         }
-        let mut v = 0;
-        self.points.retain(|p| {
-            v += 1;
-            v <= first || !p.is_nan()
-        });
-        self.points.shrink_to_fit();
-        self.gaps.free.retain(|&v| v < first);
-        self.gaps.count = count;
-        self.last = self.topology.compact(&new_id, self.points.len(), self.last);
-        if self.dimension() < 3 {
-            self.rebuild_lower();
+    }
+
+    /// What [`compact`](Self::compact) makes of it, but that the ids below `first`, and the gaps among them, stay as they are; and the new ids.
+    /// Nothing has changed where memory is lacking or the control says stop.
+    pub(crate) fn compacted(&self, first: u32, control: &Control) -> Result<(Triangulation, Vec<u32>), Error> {
+        const PART: usize = 1 << 14;
+        let mut new_id = memory::room_in_pieces::<u32>(self.points.len(), "ids", control)?;
+        let mut compact = InPieces::new(Triangulation { threads: self.threads, ..Triangulation::default() }, control);
+        memory::reserve_exact(&mut compact.points, self.points.len(), "points")?;
+        for part in self.points.chunks(PART) {
+            control.check()?;
+            let start = compact.points.len();
+            for &p in part {
+                let stays = new_id.len() < first as usize;
+                compact.gaps.count += usize::from(stays && p.is_nan());
+                new_id.push(if p.is_nan() { NONE } else { compact.points.len() as u32 });
+                if stays || !p.is_nan() {
+                    compact.points.push(p);
+                }
+            }
+            let Triangulation { points, filter, .. } = &mut *compact;
+            filter.extend_all(&points[start..]);
+        }
+        compact.points.shrink_to_fit();
+        compact.gaps.free.extend(self.gaps.free.iter().filter(|&&v| v < first));
+        let count = compact.points.len();
+        (compact.topology, compact.last) = self.topology.compacted(&new_id, count, self.last, control)?;
+        compact.lower = if self.dimension() < 3 {
+            compact.lower_without(&[], control)?.0
         } else {
-            self.filter = Filter::for_points(&self.points);
-        }
-        new_id
+            self.lower.try_clone(control)?
+        };
+        Ok((compact.keep(), new_id.keep()))
     }
 }

@@ -1,6 +1,7 @@
 //! Null pointers, wrong sizes, wrong values: each has its answer, and changes nothing.
 
 use super::*;
+use crate::capi::check::{wsp_plc_check, wsp_plc_check_within};
 
 /// Each call must answer WSP_ERR_NULL with a text that begins with the function's name.
 macro_rules! null_is_refused {
@@ -63,6 +64,12 @@ fn null_pointers_are_refused() {
         wsp_triangulation_insert(null_mut(), xyz, 3, null_mut(), null_mut());
         wsp_triangulation_insert(t, null(), 3, null_mut(), null_mut());
         wsp_triangulation_remove(null_mut(), 0);
+        wsp_triangulation_remove_within(null_mut(), 0, null_mut());
+        wsp_triangulation_use_hull_as_domain_within(null_mut(), null_mut());
+        wsp_triangulation_clone_within(t, null_mut(), null_mut());
+        wsp_bad_short_edges_within(t, 2.0, null_mut(), null_mut(), 0, null_mut());
+        wsp_plc_check(null(), null_mut());
+        wsp_plc_check_within(plc, null_mut(), null_mut());
         wsp_triangulation_locate(null(), p, WSP_NONE, &mut location);
         wsp_triangulation_locate(t, null(), WSP_NONE, &mut location);
         wsp_triangulation_locate(t, p, WSP_NONE, null_mut());
@@ -99,6 +106,7 @@ fn null_pointers_are_refused() {
     null_is_refused! {
         wsp_triangulation_from_plc(null(), null(), null_mut(), &mut out);
         wsp_triangulation_clone(null(), &mut out);
+        wsp_triangulation_clone_within(null(), null_mut(), &mut out);
     }
     assert!(out.is_null(), "a failed call gives out no handle");
     assert_eq!((location.kind, count, word, int, out_xyz), (77, 0, 0, 0, [0.0; 3]), "nothing was written");

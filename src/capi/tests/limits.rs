@@ -215,3 +215,60 @@ fn the_last_point_off_a_plane_can_be_cancelled_and_comes_again() {
     let other = Owned::of(&[&flat[..], &[[0.5, 0.5, 1.0]]].concat());
     assert_eq!(t.tetrahedra(), other.tetrahedra());
 }
+
+#[test]
+fn a_few_points_of_which_the_last_is_cancelled_are_all_taken_back() {
+    // The first one stays in the plane; the second spans a volume, and to triangulate that is what the callback cancels.
+    let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let more = [[0.5, 0.25, 0.0], [0.5, 0.5, 1.0], [0.25, 0.5, 0.0]];
+    let t = Owned::of(&flat);
+    let control = OwnedControl::new(|_| 1);
+    // SAFETY: live handles, arrays of the sizes given.
+    let insert =
+        |control| unsafe { wsp_triangulation_insert(t.0, more.as_ptr().cast(), more.len(), null_mut(), control) };
+    for _ in 0..2 {
+        expect(WSP_CANCELLED, insert(control.control));
+        assert_eq!(t.counts(), (4, 0));
+        // SAFETY: a live handle.
+        done(unsafe { wsp_control_reset(control.control) });
+    }
+    done(insert(null_mut()));
+    valid(&t);
+    assert_eq!(t.tetrahedra(), Owned::of(&[&flat[..], &more[..]].concat()).tetrahedra());
+}
+
+#[test]
+fn what_takes_long_can_be_cancelled_and_changes_nothing_then() {
+    let t = Owned::of(&scattered(3000, 5));
+    let (mut control, mut out, mut count) = (null_mut(), null_mut(), 7);
+    let before = t.tetrahedra();
+    // SAFETY: live handles, a list of no room.
+    unsafe {
+        done(wsp_control_new(None, null_mut(), &mut control));
+        done(wsp_control_cancel(control));
+        expect(WSP_CANCELLED, wsp_triangulation_clone_within(t.0, control, &mut out));
+        assert!(out.is_null());
+        expect(WSP_CANCELLED, wsp_triangulation_remove_within(t.0, 17, control));
+        expect(WSP_CANCELLED, wsp_triangulation_use_hull_as_domain_within(t.0, control));
+        expect(WSP_CANCELLED, wsp_bad_short_edges_within(t.0, 2.0, control, null_mut(), 0, &mut count));
+        expect(WSP_CANCELLED, wsp_refine(t.0, null(), control, null_mut()));
+        let mut has_domain = 7;
+        done(wsp_triangulation_has_domain(t.0, &mut has_domain));
+        assert_eq!((has_domain, count), (0, 7));
+        assert_eq!(t.tetrahedra(), before);
+
+        done(wsp_control_reset(control));
+        done(wsp_triangulation_remove_within(t.0, 17, control));
+        done(wsp_triangulation_clone_within(t.0, control, &mut out));
+        let copy = Owned(out);
+        assert_eq!(copy.tetrahedra(), t.tetrahedra());
+        done(wsp_triangulation_use_hull_as_domain_within(t.0, control));
+        expect(WSP_ERR_DOMAIN, wsp_triangulation_use_hull_as_domain_within(t.0, null_mut()));
+        done(wsp_bad_short_edges_within(t.0, 2.0, control, null_mut(), 0, &mut count));
+        let mut alike = 0;
+        done(wsp_bad_short_edges(t.0, 2.0, null_mut(), 0, &mut alike));
+        assert!(count == alike && count > 0);
+        wsp_control_free(control);
+    }
+    valid(&t);
+}

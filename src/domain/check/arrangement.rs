@@ -8,7 +8,9 @@ use crate::domain::facet::dominant_axis;
 use crate::domain::planar::{facet_normal, off_plane, triangles_within, PlanarDefect};
 use crate::domain::plc::Plc;
 use crate::geometry::check_range;
-use crate::{DVec3, DomainElement, Error};
+use crate::leavings::InPieces;
+use crate::triangulation::ByPoint;
+use crate::{Control, DVec3, DomainElement, Error};
 
 /// Labels of regions have 16 bits, of which a few values mean something else.
 pub(crate) const MAX_REGIONS: usize = 60_000;
@@ -62,27 +64,32 @@ pub(crate) struct Arrangement {
 
 impl Arrangement {
     /// Takes a complex apart; elements that are defective by themselves are noted and left out.
-    pub fn new(plc: &Plc, defects: &mut Vec<PlcDefect>) -> Arrangement {
+    pub fn new(plc: &Plc, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<Arrangement, Error> {
         let mut new = Arrangement {
             points: plc.points.clone(),
             corners: vec![Vec::new(); plc.facets.len()],
             inside: vec![Vec::new(); plc.facets.len()],
             ..Arrangement::default()
         };
-        new.merge_points(defects);
+        new.merge_points(defects, control)?;
+        let turns = control.turns();
         for (i, segment) in plc.segments.iter().enumerate() {
+            turns.check()?;
             new.add_segment(i, segment.ends, defects);
         }
         for i in 0..plc.facets.len() {
+            control.check()?;
             new.add_facet(plc, i, defects);
         }
         check_seeds(plc, defects);
-        new
+        Ok(new)
     }
 
-    fn merge_points(&mut self, defects: &mut Vec<PlcDefect>) {
-        let mut at_place: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+    fn merge_points(&mut self, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<(), Error> {
+        let mut at_place = InPieces::new(ByPoint::default(), control);
+        let turns = control.turns();
         for (i, &point) in self.points.iter().enumerate() {
+            turns.check()?;
             if let Err(error) = check_range(i, point) {
                 let kind = match error {
                     Error::NotFinite { .. } => PlcDefectKind::NotFinite,
@@ -90,15 +97,14 @@ impl Arrangement {
                 };
                 defects.push(PlcDefect::new(kind, [DomainElement::Point(i)], point));
             }
-            // Adding 0 makes −0 the same as 0.
-            let key = (point + DVec3::ZERO).to_array().map(f64::to_bits);
-            let first = *at_place.entry(key).or_insert(i as u32);
+            let first = at_place.first(point, i as u32);
             if first != i as u32 {
                 let elements = [DomainElement::Point(i), DomainElement::Point(first as usize)];
                 defects.push(PlcDefect::new(PlcDefectKind::DuplicatePoint, elements, point));
             }
             self.first.push(first);
         }
+        Ok(())
     }
 
     /// The point that stands for a named one, if it is fit for the predicates.

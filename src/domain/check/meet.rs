@@ -13,7 +13,7 @@ use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::plc::Plc;
 use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
-use crate::{DVec3, DomainElement};
+use crate::{Control, DVec3, DomainElement, Error};
 
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, u32>;
 
@@ -28,14 +28,21 @@ fn tree<const N: usize>(elements: impl Iterator<Item = [DVec3; N]>) -> RTree<Box
 }
 
 /// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
-pub(super) fn find(plc: &Plc, a: &mut Arrangement, defects: &mut Vec<PlcDefect>) {
+pub(super) fn find(
+    plc: &Plc,
+    a: &mut Arrangement,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
+    control.check()?;
     let sides = tree(a.sides.iter().map(|side| side.ends.map(|v| a.points[v as usize])));
+    control.check()?;
     let triangles = tree(a.triangles.iter().map(|(triangle, _)| triangle.map(|v| a.points[v as usize])));
-    points_on_sides(a, &sides, defects);
-    points_in_facets(a, &triangles, defects);
-    sides_across_sides(a, &sides, defects);
-    sides_through_facets(a, &sides, &triangles, defects);
-    facets_in_one_plane(plc, a, &triangles, defects);
+    points_on_sides(a, &sides, defects, control)?;
+    points_in_facets(a, &triangles, defects, control)?;
+    sides_across_sides(a, &sides, defects, control)?;
+    sides_through_facets(a, &sides, &triangles, defects, control)?;
+    facets_in_one_plane(plc, a, &triangles, defects, control)
 }
 
 /// The points that stand for themselves and are fit for the predicates.
@@ -51,9 +58,15 @@ fn at_point(tree: &RTree<Boxed>, p: DVec3) -> Vec<u32> {
     found
 }
 
-fn points_on_sides(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+fn points_on_sides(
+    a: &mut Arrangement,
+    tree: &RTree<Boxed>,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
     let mut found = Vec::new();
     for v in usable_points(a) {
+        control.check()?;
         let p = a.points[v as usize];
         for side in at_point(tree, p) {
             let ends = a.sides[side as usize].ends;
@@ -75,6 +88,7 @@ fn points_on_sides(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<P
         let distance = |&v: &u32| points[v as usize].distance_squared(start);
         side.between.sort_by(|v, w| distance(v).total_cmp(&distance(w)));
     }
+    Ok(())
 }
 
 /// The coordinate to drop so that a triangle keeps an area, and its orientation then.
@@ -88,9 +102,15 @@ fn in_triangle(triangle: [DVec3; 3], p: DVec3) -> bool {
     (0..3).all(|i| orient2d(axis, triangle[i], triangle[(i + 1) % 3], p) != -sign)
 }
 
-fn points_in_facets(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+fn points_in_facets(
+    a: &mut Arrangement,
+    tree: &RTree<Boxed>,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
     let mut found = Vec::new();
     for v in usable_points(a) {
+        control.check()?;
         let p = a.points[v as usize];
         for i in at_point(tree, p) {
             let (triangle, facet) = a.triangles[i as usize];
@@ -115,23 +135,42 @@ fn points_in_facets(a: &mut Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<
         defects.push(PlcDefect::new(PlcDefectKind::PointOnFacet, elements, a.points[v as usize]));
         a.inside[facet as usize].push(v);
     }
+    Ok(())
 }
 
 /// Pairs of elements whose boxes meet, sorted.
-fn pairs(first: &RTree<Boxed>, second: &RTree<Boxed>, keep: impl Fn(u32, u32) -> bool) -> Vec<(u32, u32)> {
-    let candidates = first.intersection_candidates_with_other_tree(second);
-    let mut pairs: Vec<_> = candidates.map(|(a, b)| (a.data, b.data)).filter(|&(a, b)| keep(a, b)).collect();
+fn pairs(
+    first: &RTree<Boxed>,
+    second: &RTree<Boxed>,
+    keep: impl Fn(u32, u32) -> bool,
+    control: &Control,
+) -> Result<Vec<(u32, u32)>, Error> {
+    let turns = control.turns();
+    let mut pairs = Vec::new();
+    for (a, b) in first.intersection_candidates_with_other_tree(second).map(|(a, b)| (a.data, b.data)) {
+        turns.check()?;
+        if keep(a, b) {
+            pairs.push((a, b));
+        }
+    }
     pairs.sort_unstable();
-    pairs
+    Ok(pairs)
 }
 
-fn sides_across_sides(a: &Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+fn sides_across_sides(
+    a: &Arrangement,
+    tree: &RTree<Boxed>,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
+    let turns = control.turns();
     let apart = |i: u32, j: u32| {
         let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
         // Sides of one facet are the facet's own affair.
         i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
     };
-    for (i, j) in pairs(tree, tree, apart) {
+    for (i, j) in pairs(tree, tree, apart, control)? {
+        turns.check()?;
         let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
         let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
         if orient3d(p, q, r, u) != Sign::Zero {
@@ -144,6 +183,7 @@ fn sides_across_sides(a: &Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<Pl
             defects.push(PlcDefect::new(PlcDefectKind::SegmentsCross, [s.element(), t.element()], place));
         }
     }
+    Ok(())
 }
 
 /// The fraction `numerator / denominator` of two parallel vectors.
@@ -151,13 +191,21 @@ fn crossing(denominator: DVec3, numerator: DVec3) -> f64 {
     (numerator.dot(denominator) / denominator.length_squared()).clamp(0.0, 1.0)
 }
 
-fn sides_through_facets(a: &Arrangement, sides: &RTree<Boxed>, triangles: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+fn sides_through_facets(
+    a: &Arrangement,
+    sides: &RTree<Boxed>,
+    triangles: &RTree<Boxed>,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
+    let turns = control.turns();
     let apart = |i: u32, j: u32| {
         let (side, (triangle, facet)) = (&a.sides[i as usize], &a.triangles[j as usize]);
         !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
     };
     let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
-    for (i, j) in pairs(sides, triangles, apart) {
+    for (i, j) in pairs(sides, triangles, apart, control)? {
+        turns.check()?;
         let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
         let [p, q] = side.ends.map(|v| a.points[v as usize]);
         let corners = triangle.map(|v| a.points[v as usize]);
@@ -184,12 +232,21 @@ fn sides_through_facets(a: &Arrangement, sides: &RTree<Boxed>, triangles: &RTree
             defects.push(PlcDefect::new(PlcDefectKind::SegmentThroughFacet, elements, place));
         }
     }
+    Ok(())
 }
 
-fn facets_in_one_plane(plc: &Plc, a: &Arrangement, tree: &RTree<Boxed>, defects: &mut Vec<PlcDefect>) {
+fn facets_in_one_plane(
+    plc: &Plc,
+    a: &Arrangement,
+    tree: &RTree<Boxed>,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
+    let turns = control.turns();
     let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
     let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
-    for (i, j) in pairs(tree, tree, apart) {
+    for (i, j) in pairs(tree, tree, apart, control)? {
+        turns.check()?;
         let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
         let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));
         let in_plane = |v: DVec3| orient3d(p[0], p[1], p[2], v) == Sign::Zero;
@@ -205,6 +262,7 @@ fn facets_in_one_plane(plc: &Plc, a: &Arrangement, tree: &RTree<Boxed>, defects:
         let elements = [DomainElement::Facet(g as usize), DomainElement::Facet(f as usize)];
         defects.push(PlcDefect::new(kind, elements, (q[0] + q[1] + q[2]) / 3.0));
     }
+    Ok(())
 }
 
 /// Whether two triangles of one plane have more than their borders in common: no side of either separates them.

@@ -20,7 +20,7 @@ mod tests;
 pub use defect::{PlcDefect, PlcDefectKind, Severity};
 
 use super::plc::Plc;
-use crate::{DVec3, DomainElement, Error};
+use crate::{Control, DVec3, DomainElement, Error};
 use arrangement::Arrangement;
 
 /// What [`Plc::check`] has found.
@@ -61,25 +61,31 @@ impl Plc {
     ///
     /// Cost: n log n in the size of the complex, and linear in the pairs of elements whose bounding boxes meet.
     pub fn check(&self) -> PlcCheck {
-        self.examine(true).0
+        self.check_within(&Control::new()).unwrap_or_default()
+    }
+
+    /// [`check`](Self::check), unless a control cancels it: [`Error::Cancelled`]. That is not looked at while the trees of bounding boxes are made.
+    pub fn check_within(&self, control: &Control) -> Result<PlcCheck, Error> {
+        self.examine(true, control).map(|(check, _)| check)
     }
 
     /// The complex taken apart, or the first error.
-    pub(crate) fn arrange(&self) -> Result<Arrangement, Error> {
-        let (check, arrangement) = self.examine(false);
+    pub(crate) fn arrange(&self, control: &Control) -> Result<Arrangement, Error> {
+        let (check, arrangement) = self.examine(false, control)?;
         let first = check.errors().next().map(PlcDefect::error);
         first.map_or(Ok(arrangement), Err)
     }
 
     /// With `all`, also what is no error and only of interest.
-    fn examine(&self, all: bool) -> (PlcCheck, Arrangement) {
+    fn examine(&self, all: bool, control: &Control) -> Result<(PlcCheck, Arrangement), Error> {
         let mut check = PlcCheck::default();
-        let mut arrangement = Arrangement::new(self, &mut check.defects);
-        meet::find(self, &mut arrangement, &mut check.defects);
+        let mut arrangement = Arrangement::new(self, &mut check.defects, control)?;
+        meet::find(self, &mut arrangement, &mut check.defects, control)?;
+        control.check()?;
         if all {
             edges::find(&arrangement, &mut check);
         }
         check.defects.sort_by(PlcDefect::order);
-        (check, arrangement)
+        Ok((check, arrangement))
     }
 }

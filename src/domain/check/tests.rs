@@ -61,7 +61,7 @@ fn every_defect_is_found_and_not_only_the_first() {
     assert_eq!(found(&plc), expected);
     let place = plc.check().defects[0].place;
     assert_eq!(place, DVec3::new(1.0, 2.0, 4.0));
-    let error = plc.arrange().unwrap_err();
+    let error = plc.arrange(&Control::new()).unwrap_err();
     assert_eq!(error.to_string(), "segment 0: goes through facet 1 at (1, 2, 4)");
 }
 
@@ -132,7 +132,7 @@ fn elements_defective_by_themselves() {
         (DuplicateSegment, vec![s(3), s(2)]),
     ];
     assert_eq!(found(&plc), expected);
-    assert!(plc.arrange().is_err());
+    assert!(plc.arrange(&Control::new()).is_err());
 }
 
 #[test]

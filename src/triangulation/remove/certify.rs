@@ -32,8 +32,8 @@ impl Triangulation {
                 hole.take(t, tet.v);
             }
         }
-        self.find_faces(hole);
-        let fits = hole.going.len() == going.len()
+        let fits = self.find_faces(hole, &|| true).is_ok()
+            && hole.going.len() == going.len()
             && self.takes_stars(hole)
             && match_faces(coming, hole)
             && self.is_delaunay_in(hole);
@@ -135,7 +135,9 @@ fn match_faces(coming: &[[u32; 4]], hole: &mut Hole) -> bool {
     if found != faces.len() {
         return false;
     }
-    inner.index();
+    if inner.index(&|| true).is_err() {
+        return false;
+    }
     let mut pairs = 0;
     for (&[a, b, c], &half) in inner.keys.iter().zip(halves.iter()) {
         // From the other side it goes round the other way.

@@ -1,6 +1,8 @@
 //! Faces by their vertices: how the two sides of a hole's faces find each other.
 
+use super::POLL_INTERVAL;
 use crate::triangulation::topology::NONE;
+use crate::Error;
 
 /// The vertices of the face opposite a slot, counterclockwise seen from outside.
 #[inline]
@@ -33,17 +35,21 @@ impl FaceTable {
         self.keys.clear();
     }
 
-    /// Makes the table of `keys`.
-    pub fn index(&mut self) {
+    /// Makes the table of `keys`, or none: [`Error::Cancelled`] when it shall not go on.
+    pub fn index(&mut self, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
         self.slots.clear();
         self.slots.resize((2 * self.keys.len()).next_power_of_two().max(2), NONE);
         for (i, &key) in self.keys.iter().enumerate() {
+            if i % POLL_INTERVAL == POLL_INTERVAL - 1 && !go_on() {
+                return Err(Error::Cancelled);
+            }
             let mut slot = self.first_slot(key);
             while self.slots[slot] != NONE {
                 slot = (slot + 1) & (self.slots.len() - 1);
             }
             self.slots[slot] = i as u32;
         }
+        Ok(())
     }
 
     #[inline]

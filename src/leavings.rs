@@ -1,0 +1,128 @@
+//! Memory given back in pieces. What a million points take the system needs some 30 ms to take back, longer than a cancelled call may go on. So a call
+//! looks at its control between the pieces, and after a cancellation the rest stays with the control, until that is reset or dropped.
+
+use std::ops::{Deref, DerefMut};
+
+use crate::Control;
+
+/// Bytes of a piece: some tenths of a millisecond.
+const PIECE: usize = 1 << 22;
+
+/// Blocks of this alignment and less are changed where they are.
+const ALIGNED: usize = 16;
+
+/// What has memory to give back.
+pub(crate) trait Leavings: Send {
+    /// Gives a piece of it back; `false` when there is none left but what a drop takes no time for.
+    fn give_back(&mut self) -> bool;
+}
+
+impl<T: Send> Leavings for Vec<T> {
+    fn give_back(&mut self) -> bool {
+        debug_assert!(!std::mem::needs_drop::<T>());
+        let piece = PIECE / size_of::<T>().max(1);
+        if self.capacity() == 0 {
+            return false;
+        }
+        self.clear();
+        // Allocators cut off the end of a large block where it is. Not where the alignment is a large one: then Rust moves what remains, so that
+        // it is given back whole.
+        if self.capacity() <= piece || align_of::<T>() > ALIGNED {
+            *self = Vec::new();
+        } else {
+            self.shrink_to(self.capacity() - piece);
+        }
+        true
+    }
+}
+
+/// Things that have memory to give back, one after the other.
+#[derive(Debug)]
+pub(crate) struct Each<L>(pub Vec<L>);
+
+impl<L> Default for Each<L> {
+    fn default() -> Self {
+        Each(Vec::new())
+    }
+}
+
+impl<L: Leavings> Leavings for Each<L> {
+    fn give_back(&mut self) -> bool {
+        while let Some(last) = self.0.last_mut() {
+            if last.give_back() {
+                return true;
+            }
+            self.0.pop();
+        }
+        false
+    }
+}
+
+/// A value that is given back in pieces when it goes out of scope, by an early return perhaps.
+#[derive(Debug)]
+pub(crate) struct InPieces<'a, L: Leavings + Default + 'static> {
+    value: L,
+    control: &'a Control,
+}
+
+impl<'a, L: Leavings + Default + 'static> InPieces<'a, L> {
+    pub fn new(value: L, control: &'a Control) -> Self {
+        InPieces { value, control }
+    }
+
+    /// The value, which is the caller's now.
+    pub fn keep(mut self) -> L {
+        std::mem::take(&mut self.value)
+    }
+}
+
+impl<L: Leavings + Default + 'static> Deref for InPieces<'_, L> {
+    type Target = L;
+
+    fn deref(&self) -> &L {
+        &self.value
+    }
+}
+
+impl<L: Leavings + Default + 'static> DerefMut for InPieces<'_, L> {
+    fn deref_mut(&mut self) -> &mut L {
+        &mut self.value
+    }
+}
+
+impl<L: Leavings + Default + 'static> Drop for InPieces<'_, L> {
+    fn drop(&mut self) {
+        self.control.give_back(std::mem::take(&mut self.value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_stays_with_a_cancelled_control_until_it_is_reset() {
+        let control = Control::new();
+        drop(InPieces::new(vec![0u8; 3 * PIECE], &control));
+        assert_eq!(control.leavings(), 0);
+        control.cancel();
+        drop(InPieces::new(vec![0u8; 3 * PIECE], &control));
+        control.give_back(vec![0u64; 10]);
+        assert_eq!(control.clone().leavings(), 2);
+        control.reset();
+        assert_eq!(control.leavings(), 0);
+        assert_eq!(InPieces::new(vec![1, 2], &control).keep(), [1, 2]);
+    }
+
+    #[test]
+    fn pieces_come_to_an_end() {
+        let mut list = vec![0u64; PIECE / 2];
+        let mut pieces = 0;
+        while list.give_back() {
+            pieces += 1;
+        }
+        assert_eq!((pieces, list.capacity()), (4, 0));
+        let mut each = Each(vec![vec![1u8]; 5]);
+        assert!((0..5).all(|_| each.give_back()) && !each.give_back());
+    }
+}
