@@ -19,7 +19,7 @@ use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
 use crate::sampler::facet::{Arc, VoronoiFacet};
-use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
+use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
 use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
@@ -125,15 +125,17 @@ impl<'a> Refiner<'a> {
             return Err(Error::OutOfMemory { what: "marks" });
         }
         self.boundary.unblock(self.t);
-        let all: Vec<u32> = self.t.topology.finite().collect();
         if std::mem::take(&mut self.boundary.relaxed) {
             self.boundary.enqueue_all(self.t);
         }
         if !self.watch_all(control)? {
             return Ok(RefineStatus::Cancelled);
         }
-        for some in all.chunks(4096) {
-            self.watch_size(some)?;
+        if self.sizes.is_some() {
+            let all: Vec<u32> = self.t.topology.finite().collect();
+            for some in all.chunks(4096) {
+                self.watch_size(some)?;
+            }
         }
         let mut turns = 0usize;
         loop {
@@ -288,7 +290,7 @@ impl<'a> Refiner<'a> {
             let [p, q] = edge.map(|v| t.at(v));
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
             let samples = if self.rule == Rule::Sparse && self.sparsifier.is_some() {
-                sample_wide_component(&self.facet, &mut self.arcs, self.radius_edge)
+                sample_first(&self.facet, &mut self.arcs, self.radius_edge)
             } else {
                 sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule)
             };
