@@ -92,10 +92,10 @@ impl Effort {
             Sparsify::Off | Sparsify::Moves => Effort {
                 neighbours: 1,
                 remaining: 0,
-                alone: 2,
-                obstacles: 7,
+                alone: 3,
+                obstacles: 8,
                 cap: 1.8,
-                places: 2,
+                places: 3,
                 spacing: 0.72,
                 reach: 1.2,
                 cascade: 0,
