@@ -1,4 +1,4 @@
-//! The pieces of the kernel, one by one: predicates, insertion, location, removal, and bulk insertion of several sizes.
+//! The pieces of the kernel, one by one: predicates, insertion, location, removal (by degree too), and bulk insertion of several sizes.
 //!
 //! `cargo bench --bench kernel [-- NAME]`. For the whole beside its peers there is `script/bench`.
 
@@ -89,6 +89,43 @@ fn single_operations(c: &mut Criterion) {
     group.finish();
 }
 
+/// Points all around the origin, the same ones each time. Their distances from it differ by so little that all are its neighbours, and by so much that
+/// filters decide nearly all tests.
+fn all_around(n: usize) -> Vec<DVec3> {
+    let mut next = random();
+    let mut any = || (DVec3::new(next(), next(), next()) * 2.0 - 1.0, next());
+    let inside = std::iter::repeat_with(&mut any).filter(|(p, _)| (0.1..=1.0).contains(&p.length()));
+    inside.map(|(p, jitter)| p.normalize() * (1.0 + 1e-6 * jitter)).take(n).collect()
+}
+
+/// Removal of a vertex of a given degree: the centre of points all around, all of which are its neighbours, and whose own tetrahedra
+/// take its star's place. Its insertion beside it, which makes the same star.
+fn removal_by_degree(c: &mut Criterion) {
+    let mut group = c.benchmark_group("degree");
+    group.sample_size(10);
+    for degree in [16, 64, 256, 1_024, 4_096, 16_384] {
+        let around = triangulated(&all_around(degree));
+        let mut with_centre = around.clone();
+        let centre = with_centre.insert(DVec3::ZERO, None).expect("in range").vertex;
+        group.throughput(Throughput::Elements(degree as u64));
+        group.bench_function(BenchmarkId::new("remove", degree), |bench| {
+            bench.iter_batched_ref(
+                || with_centre.clone(),
+                |t| t.remove(centre).expect("a vertex"),
+                BatchSize::LargeInput,
+            );
+        });
+        group.bench_function(BenchmarkId::new("insert", degree), |bench| {
+            bench.iter_batched_ref(
+                || around.clone(),
+                |t| t.insert(DVec3::ZERO, None).expect("in range").is_new,
+                BatchSize::LargeInput,
+            );
+        });
+    }
+    group.finish();
+}
+
 fn bulk(c: &mut Criterion) {
     let mut group = c.benchmark_group("bulk");
     group.sample_size(10);
@@ -108,5 +145,5 @@ fn bulk(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(kernel, predicates_of, single_operations, bulk);
+criterion_group!(kernel, predicates_of, single_operations, removal_by_degree, bulk);
 criterion_main!(kernel);
