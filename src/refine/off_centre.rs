@@ -34,8 +34,7 @@ impl Refiner<'_> {
         let mut best = None;
         for share in SHARES {
             let p = flush_tiny(center + (foot - center) * share);
-            // Negated, so that what is no number is refused.
-            if !(p.distance_squared(center) < a.distance_squared(center)) {
+            if p.distance_squared(center) >= a.distance_squared(center) {
                 continue;
             }
             if let Some(room) = self.room_on_facet(p, start, demand).filter(|&room| room > widest) {
