@@ -352,6 +352,7 @@ int run(const std::vector<std::string>& arguments) {
     delaunay(arguments[1]);
   } else if (arguments.size() == 4 && arguments[0] == "refine") {
     refine(arguments[1], std::stod(arguments[2]), arguments[3], WSP_SPARSIFY_OFF);
+    refine(arguments[1], std::stod(arguments[2]), arguments[3], WSP_SPARSIFY_MOVES);
     refine(arguments[1], std::stod(arguments[2]), arguments[3], WSP_SPARSIFY_QUICK);
   } else if (arguments.size() == 4 && arguments[0] == "step") {
     step(arguments[1], std::stod(arguments[2]), arguments[3]);

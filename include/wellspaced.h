@@ -242,7 +242,7 @@
 #define WSP_SPARSIFY_DEFAULT 0
 
 /**
- * No Steiner point is taken away again.
+ * The sampler alone: Steiner points stay where they are put.
  */
 #define WSP_SPARSIFY_OFF 1
 
@@ -255,6 +255,12 @@
  * More is tried: three to five times the time, for about a tenth fewer Steiner points.
  */
 #define WSP_SPARSIFY_THOROUGH 3
+
+/**
+ * Nothing is taken away from what stands; but instead of inserting a sample its nearest Steiner point is moved where one place serves
+ * both, if that is found at next to no cost.
+ */
+#define WSP_SPARSIFY_MOVES 4
 
 /**
  * A line for information: what a call is doing, some lines a call.
@@ -1235,7 +1241,7 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
 /**
  * Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
  * one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
- * Delaunay triangulation, or encroached upon by a vertex, they are split, so there may be more vertices than points.
+ * Delaunay triangulation they are split, so there may be more vertices than points.
  *
  * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
  * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after

@@ -7,7 +7,8 @@ use rustc_hash::FxHashMap;
 
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
-use crate::geometry::quality::{exceeds_radius_edge, min_dihedral_degrees, radius_edge};
+use crate::geometry::extremes::Extremes;
+use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
 use crate::leavings::{InPieces, Leavings};
 use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
@@ -349,7 +350,7 @@ impl Mesh {
     ) -> Result<RefineStatus, Error> {
         let (Some(mut sparsifier), Some(domain)) = (sparsifier, &mut self.domain) else { return result };
         let result = match result {
-            Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) => {
+            Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) if sparsifier.has_pass() => {
                 let stopped = sparsifier.run(&mut self.t, &mut domain.boundary, control, limits);
                 stopped.map(|stopped| stopped.unwrap_or(status))
             }
@@ -434,7 +435,7 @@ impl Mesh {
             return Ok(self.unmeasured(RefineStatus::Cancelled));
         }
         let (mut taken, mut status) = ([0; 2], RefineStatus::Done);
-        if self.t.dimension() == 3 && level != Sparsify::Off {
+        if self.t.dimension() == 3 && level.has_pass() {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
             sparsifier.begin_with_all();
             let limits = &mut Limits::default();
@@ -507,11 +508,25 @@ impl Mesh {
             ..self.unmeasured(status)
         };
         let turns = control.turns();
-        for tet in self.inside() {
+        let mut extremes = Extremes::default();
+        let mut tets = self.inside();
+        loop {
             turns.check()?;
-            let corners = self.t.corners(tet);
-            report.tetrahedra += 1;
-            if exceeds_radius_edge(corners, bound) {
+            let (mut four, mut count) = ([0; 4], 0);
+            for (place, tet) in four.iter_mut().zip(&mut tets) {
+                *place = tet;
+                count += 1;
+            }
+            if count == 0 {
+                break;
+            }
+            let last = four[count - 1];
+            four[count..].fill(last);
+            report.tetrahedra += count;
+            let corners = four.map(|tet| self.t.corner_refs(tet));
+            extremes.add(&corners);
+            let bad = four_exceed_radius_edge(&corners, bound).0;
+            for (_, &tet) in four[..count].iter().enumerate().filter(|(i, _)| bad >> i & 1 != 0) {
                 report.bad += 1;
                 let known = reasons.get(&self.t.topology.tet(tet).v).copied();
                 let reason = match known {
@@ -521,9 +536,9 @@ impl Mesh {
                 };
                 report.unrefined[reason as usize] += 1;
             }
-            report.worst_radius_edge = report.worst_radius_edge.max(radius_edge(corners));
-            report.min_dihedral_degrees = report.min_dihedral_degrees.min(min_dihedral_degrees(corners));
         }
+        report.worst_radius_edge = extremes.radius_edge;
+        report.min_dihedral_degrees = extremes.dihedral_degrees;
         Ok(report)
     }
 

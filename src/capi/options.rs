@@ -20,18 +20,22 @@ pub type wsp_sparsify = u32;
 
 /// WSP_SPARSIFY_QUICK with WSP_RULE_SPARSE, WSP_SPARSIFY_OFF with the other rules.
 pub const WSP_SPARSIFY_DEFAULT: u32 = 0;
-/// No Steiner point is taken away again.
+/// The sampler alone: Steiner points stay where they are put.
 pub const WSP_SPARSIFY_OFF: u32 = 1;
 /// Steiner points are taken away where that is found out at little cost.
 pub const WSP_SPARSIFY_QUICK: u32 = 2;
 /// More is tried: three to five times the time, for about a tenth fewer Steiner points.
 pub const WSP_SPARSIFY_THOROUGH: u32 = 3;
+/// Nothing is taken away from what stands; but instead of inserting a sample its nearest Steiner point is moved where one place serves
+/// both, if that is found at next to no cost.
+pub const WSP_SPARSIFY_MOVES: u32 = 4;
 
 pub(super) fn sparsify(value: wsp_sparsify) -> Result<Option<Sparsify>, Failure> {
     match value {
         WSP_SPARSIFY_DEFAULT => Ok(None),
         WSP_SPARSIFY_OFF => Ok(Some(Sparsify::Off)),
         WSP_SPARSIFY_QUICK => Ok(Some(Sparsify::Quick)),
+        WSP_SPARSIFY_MOVES => Ok(Some(Sparsify::Moves)),
         WSP_SPARSIFY_THOROUGH => Ok(Some(Sparsify::Thorough)),
         _ => Err(Failure::new(WSP_ERR_OPTION, format!("sparsify is {value}, expected a WSP_SPARSIFY_ constant"))),
     }
@@ -42,6 +46,7 @@ pub(super) fn sparsify_number(level: Option<Sparsify>) -> wsp_sparsify {
         None => WSP_SPARSIFY_DEFAULT,
         Some(Sparsify::Off) => WSP_SPARSIFY_OFF,
         Some(Sparsify::Quick) => WSP_SPARSIFY_QUICK,
+        Some(Sparsify::Moves) => WSP_SPARSIFY_MOVES,
         Some(Sparsify::Thorough) => WSP_SPARSIFY_THOROUGH,
     }
 }

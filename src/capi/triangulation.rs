@@ -117,7 +117,7 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 
 /// Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
 /// one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
-/// Delaunay triangulation, or encroached upon by a vertex, they are split, so there may be more vertices than points.
+/// Delaunay triangulation they are split, so there may be more vertices than points.
 ///
 /// `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after

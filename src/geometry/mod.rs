@@ -6,6 +6,7 @@
 pub mod circumsphere;
 pub mod encroachment;
 mod exact;
+pub(crate) mod extremes;
 mod fixed;
 pub mod lanes;
 pub mod perturbation;

@@ -107,6 +107,12 @@ pub fn four_exceed_radius_edge(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, [f6
     (exceed & !unsure | decided, shortest)
 }
 
+/// Which of four tetrahedra may have a radius-edge ratio above `ratio`, a bit for each; all others have none.
+pub(crate) fn four_may_exceed(tets: &[[&DVec3; 4]; 4], ratio: f64) -> u32 {
+    let (exceed, unsure, _) = judge_four(tets, ratio);
+    exceed | unsure
+}
+
 #[inline]
 fn judge_four(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
     #[cfg(target_arch = "x86_64")]
@@ -218,6 +224,30 @@ pub fn min_dihedral_degrees([a, b, c, d]: [DVec3; 4]) -> f64 {
         .max(cotangent(na, nc, d - b))
         .max(cotangent(na, nb, d - c));
     1f64.atan2(greatest).to_degrees()
+}
+
+/// Whether a dihedral angle of the tetrahedron may be smaller than the angle with this cotangent. Says no only where
+/// [`min_dihedral_degrees`] is sure to be as large.
+#[inline]
+pub(crate) fn may_be_narrower([a, b, c, d]: [DVec3; 4], cotangent: f64) -> bool {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (nb, nc, nd) = (w.cross(v), u.cross(w), v.cross(u));
+    let na = -(nb + nc + nd);
+    let volume6 = u.dot(nb);
+    let limit = volume6 * volume6 * cotangent * cotangent * (1.0 - 1e-9);
+    let wide = |n: DVec3, m: DVec3, edge: DVec3| {
+        let dot = n.dot(m);
+        dot >= 0.0 || dot * dot <= limit * edge.length_squared()
+    };
+    // Negated, so that what is no number is looked at.
+    !(cotangent > 0.0
+        && volume6 != 0.0
+        && wide(nc, nd, u)
+        && wide(nb, nd, v)
+        && wide(nb, nc, w)
+        && wide(na, nd, c - b)
+        && wide(na, nc, d - b)
+        && wide(na, nb, d - c))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
 pub(crate) mod limits;
+mod off_centre;
 pub(crate) mod queue;
 pub(crate) mod refiner;
 pub(crate) mod restore;

@@ -19,7 +19,7 @@ use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
 use crate::sampler::facet::{Arc, VoronoiFacet};
-use crate::sampler::{sample_circumcenter, sample_component, sample_wide_component, Rule, Samples};
+use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
 use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
@@ -76,6 +76,9 @@ pub struct Refiner<'a> {
     pub sizes: Option<Sizes<'a>>,
     /// Samples may be in the balls of boundary elements, but split none.
     spare_boundary: bool,
+    /// The sample that a boundary element is to be split for at once, and its distance from the nearest vertex, if places beside the element's centre
+    /// are to be tried.
+    pub(super) given_way: Option<(DVec3, f64)>,
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
@@ -112,6 +115,7 @@ impl<'a> Refiner<'a> {
             hole: Hole::default(),
             sizes: None,
             spare_boundary: false,
+            given_way: None,
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
@@ -240,6 +244,7 @@ impl<'a> Refiner<'a> {
             let [a, b, c, d] = corners;
             self.demand = Demand::of(0.125 * circumcenter(a, b, c, d).distance(a));
         }
+        self.given_way = None;
         let samples = if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
         let mut placed_any = false;
         self.edge = length2.sqrt();
@@ -301,7 +306,7 @@ impl<'a> Refiner<'a> {
             let [p, q] = edge.map(|v| t.at(v));
             self.facet.set(p, q, self.link.iter().map(|&r| t.at(r)), closed);
             let samples = if self.rule == Rule::Sparse && self.sparsifier.is_some() {
-                sample_wide_component(&self.facet, &mut self.arcs, self.radius_edge)
+                sample_first(&self.facet, &mut self.arcs, self.radius_edge)
             } else {
                 sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule)
             };
@@ -335,6 +340,9 @@ impl<'a> Refiner<'a> {
                     self.boundary.keep_nearest(self.t, p, &mut self.encroached);
                 }
                 if !(self.encroached.segments.is_empty() && self.encroached.facets.is_empty()) {
+                    if self.rule == Rule::Sparse && self.sparsifier.is_some() {
+                        self.given_way = Some((p, self.rim_distance(p)));
+                    }
                     self.cavity.clear();
                     self.boundary.enqueue(&self.encroached, demand);
                     return Ok(Placed::Encroaches);

@@ -433,3 +433,26 @@ fn splits_at_vertices_that_two_facets_have_are_taken_back_whole() {
         mesh.validate(3).unwrap();
     }
 }
+
+/// Spacings from 2⁻²⁰ to 1.
+#[test]
+fn a_grading_of_a_million_ends_with_nothing_bad() {
+    let mut next = numbers(23);
+    let mut points = Vec::new();
+    while points.len() < 250 {
+        let direction = 2.0 * DVec3::new(next(), next(), next()) - DVec3::ONE;
+        if (0.01..1.0).contains(&direction.length_squared()) {
+            points.push(direction.normalize() * (-20.0 * next()).exp2());
+        }
+    }
+    let plc = Plc::boxed(DVec3::splat(-1.5), DVec3::splat(1.5), points);
+    for level in [Sparsify::Off, Sparsify::Moves, Sparsify::Quick] {
+        for radius_edge in [1.1, 1.5, 4.0] {
+            let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+            let options = RefineOptions { radius_edge, sparsify: Some(level), ..RefineOptions::default() };
+            let report = mesh.refine(&options, &Control::new()).unwrap();
+            assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+            check(&mesh, radius_edge, 27.0);
+        }
+    }
+}

@@ -125,11 +125,10 @@ fn largest_arc(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> O
     arcs.iter().copied().reduce(|a, b| if b.span > a.span { b } else { a })
 }
 
-/// [`sample_component`] of [`Rule::Sparse`] with the wider pieces for samples that will be tried at once with their neighbours.
-pub(crate) fn sample_wide_component(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> Option<Samples> {
+/// The first sample of [`Rule::Sparse`] for the component of the largest span, of pieces for samples that will be tried at once with their neighbours.
+pub(crate) fn sample_first(facet: &VoronoiFacet, arcs: &mut Vec<Arc>, radius_edge: f64) -> Option<Samples> {
     let arc = largest_arc(facet, arcs, radius_edge)?;
-    Some(sparse::sample_wide_arc(facet, arc, radius_edge))
-        .filter(|samples| samples.points.iter().all(|s| s.is_finite()))
+    Some(sparse::sample_first(facet, arc, radius_edge)).filter(|samples| samples.points.iter().all(|s| s.is_finite()))
 }
 
 /// The batch for the component of the largest span; `None` when no arc of the rim lies in the facet, or the rule has no batches.

@@ -11,7 +11,7 @@ use super::Samples;
 
 /// Samples are drawn towards the midpoint by this share of their distance, so that rounding doesn't leave the new
 /// Voronoi corners just outside the disk.
-const PULL: f64 = 1.0 / (1u64 << 30) as f64;
+pub(super) const PULL: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// How many samples an arc gets: 1 below a right angle, then ⌊4γ/π⌋.
 pub fn sample_count(span: f64) -> usize {

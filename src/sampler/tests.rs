@@ -147,6 +147,24 @@ proptest! {
             let widest = paper::sample_distance(sparse::MAX_THETA, 1.0, beta).hypot(0.5);
             prop_assert!(widest > 1.0);
             check(sample_edge(p, q, &link, closed, beta, Rule::Sparse), widest.min(beta))?;
+            if bad {
+                // Each sample by its own angle; the first alone may have a wider piece, down to β = 1.
+                let facet = VoronoiFacet::new(p, q, &link, closed);
+                for beta in [beta, 0.25 * beta + 0.5] {
+                    let own = |s: &Samples| paper::sample_distance(s.theta.max(80f64.to_radians()), 1.0, beta).hypot(0.5).min(beta);
+                    let mut arcs = Vec::new();
+                    if let Some(first) = sample_first(&facet, &mut arcs, beta) {
+                        let least = own(&first);
+                        prop_assert!(least >= sparse::WIDE_DISTANCE.min(beta) || first.theta <= sparse::MAX_THETA);
+                        prop_assert!(least >= 1.0);
+                        check(Some(first), least)?;
+                    }
+                    if let Some(all) = sample_component(&facet, &mut arcs, beta, Rule::Sparse).filter(|s| s.points.len() == 1) {
+                        let least = own(&all);
+                        check(Some(all), least)?;
+                    }
+                }
+            }
         }
     }
 

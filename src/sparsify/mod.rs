@@ -6,14 +6,15 @@
 //! | `search` | which vertices to replace, and the place of the one that comes |
 //! | `change` | the replacement looked at exactly, then made or dropped |
 //!
-//! It works twice. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
+//! It works twice, or, at the level of [`Moves`](Sparsify::Moves), only the first time: then nothing is taken away from what stands, the rule only decides at the
+//! insertion of a sample that a point moves in its stead. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
 //! Tetrahedra whose shortest edge is longer than the one being mended may still be bad then: the refinement comes to them later, with fewer vertices
 //! in its way. This is worth far more than the same work on the finished mesh, where everything around a vertex has been fitted to it. *Afterwards*, or on any mesh, a queue of
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
-//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, which needs no split where all tetrahedra
-//! are good; a later refinement splits them if it has to.
+//! Segments and facets stay covered by edges and faces. Some may be left encroached, which needs no split where all tetrahedra are good
+//! (see `domain::clearance`); a later refinement splits them if it has to.
 //!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
@@ -39,8 +40,11 @@ use forecast::{Demand, Forecast};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Sparsify {
-    /// Nothing is taken away again.
+    /// The sampler alone: Steiner points stay where they are put.
     Off,
+    /// Nothing is taken away from what stands. But instead of inserting a sample its nearest Steiner point is moved where one place serves both, if that is found
+    /// at next to no cost.
+    Moves,
     /// What is found at little cost: most of what can be had, in two to four times the time without.
     #[default]
     Quick,
@@ -55,6 +59,8 @@ pub(crate) struct Effort {
     pub neighbours: usize,
     /// Obstacles of `v` alone that may be left when a neighbour goes with it.
     pub remaining: usize,
+    /// Obstacles of a sample alone that are worth a try.
+    pub alone: usize,
     /// Obstacles of a pair.
     pub obstacles: usize,
     /// A place is worth a search when no tetrahedron there has (R/βl)² above this.
@@ -63,34 +69,64 @@ pub(crate) struct Effort {
     pub places: usize,
     /// While refining, a neighbour that has another one nearer than this times the edge in hand stays where it is: it belongs to something finer.
     pub spacing: f64,
+    /// How far a partner may be, in β times the length of the edge being mended.
+    pub reach: f64,
     /// While refining, how often the vertex of one change may go into the next at once.
     pub cascade: usize,
     /// Whether the last pass begins with all Steiner points, not only with those on the boundary.
     pub all: bool,
+    /// Whether there is a last pass.
+    pub pass: bool,
+}
+
+impl Sparsify {
+    /// Whether a pass over Steiner points that stand already belongs to it.
+    pub fn has_pass(self) -> bool {
+        !matches!(self, Sparsify::Off | Sparsify::Moves)
+    }
 }
 
 impl Effort {
     fn of(level: Sparsify) -> Effort {
         match level {
-            Sparsify::Off | Sparsify::Quick => Effort {
+            Sparsify::Off | Sparsify::Moves => Effort {
+                neighbours: 1,
+                remaining: 0,
+                alone: 3,
+                obstacles: 8,
+                cap: 1.8,
+                places: 3,
+                spacing: 0.72,
+                reach: 1.2,
+                cascade: 0,
+                all: false,
+                pass: false,
+            },
+            Sparsify::Quick => Effort {
                 neighbours: 3,
                 remaining: 0,
+                alone: usize::MAX,
                 obstacles: 8,
                 cap: 2.5,
                 places: 10,
                 spacing: 0.72,
+                reach: 1.75,
                 cascade: 0,
                 all: false,
+                pass: true,
             },
             Sparsify::Thorough => Effort {
                 neighbours: 8,
                 remaining: 3,
+                alone: usize::MAX,
                 obstacles: 20,
                 cap: 5.0,
                 places: 32,
                 spacing: 0.0,
+                reach: 1.75,
                 cascade: 3,
                 all: true,
+                pass: true,
             },
         }
     }
@@ -131,6 +167,11 @@ impl Sparsifier {
     /// For Steiner points from id `first` on.
     pub fn new(level: Sparsify, radius_edge: f64, min_edge: f64, first: u32) -> Sparsifier {
         Sparsifier { effort: Effort::of(level), radius_edge, min_edge, first, ..Sparsifier::default() }
+    }
+
+    /// Whether a last pass follows the refinement.
+    pub fn has_pass(&self) -> bool {
+        self.effort.pass
     }
 
     /// Lets the last pass begin with all Steiner points.

@@ -20,9 +20,6 @@ use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
-/// How far a partner may be, in β times the length of the edge being mended.
-const REACH: f64 = 1.75;
-
 /// A replacement that looks good.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -64,7 +61,7 @@ impl Sparsifier {
         let limit = if while_refining {
             self.reach(demand)
         } else {
-            2.0 * REACH * self.radius_edge * spacing(t, self.alone.going(), v)
+            2.0 * self.effort.reach * self.radius_edge * spacing(t, self.alone.going(), v)
         };
         self.near.clear();
         for i in 0..self.alone.going().len() {
@@ -109,7 +106,7 @@ impl Sparsifier {
             return None;
         }
         // Nothing to mend: whatever the sample is for, it shall come.
-        if self.alone.obstacles.is_empty() {
+        if self.alone.obstacles.is_empty() || self.alone.obstacles.len() > self.effort.alone {
             return None;
         }
         self.find_partner(t, boundary, Subject::Sample(p), demand)
@@ -117,7 +114,7 @@ impl Sparsifier {
 
     /// How far a partner may be while refining.
     fn reach(&self, demand: Demand) -> f64 {
-        REACH * self.radius_edge * demand.level2.sqrt()
+        self.effort.reach * self.radius_edge * demand.level2.sqrt()
     }
 
     /// Puts `w` among the neighbours of `p` that are worth a try if it is.

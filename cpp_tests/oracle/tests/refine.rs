@@ -69,7 +69,7 @@ fn keeps_the_bound(mesh: &Mesh, beta: f64, unencroached: bool) -> Result<(), Tes
 }
 
 fn refined(points: &[Point], beta: f64, rule: Rule) -> Result<(), TestCaseError> {
-    for level in [Sparsify::Off, Sparsify::Quick, Sparsify::Thorough] {
+    for level in [Sparsify::Off, Sparsify::Moves, Sparsify::Quick, Sparsify::Thorough] {
         refined_with(points, beta, rule, level)?;
     }
     Ok(())

@@ -28,7 +28,9 @@ pub enum Command {
     Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
-    /// Write a data set of the paper to standard output as a .poly file
+    /// Find the lowest bound for which each rule ends on each data set of the paper, to 0.01, and print it in Markdown
+    LowestBeta(LowestBeta),
+    /// Write a data set, one of the paper's or of ours, to standard output as a .poly file
     Dataset(DatasetArguments),
 }
 
@@ -76,7 +78,7 @@ pub struct Refine {
     /// How hard to try to do with fewer Steiner points; `quick` where no level is given, and by default with --rule sparse
     #[arg(long, value_enum, value_name = "LEVEL", num_args = 0..=1, default_missing_value = "quick", require_equals = true)]
     pub sparsify: Option<SparsifyName>,
-    /// Take no Steiner point away again
+    /// No pass afterwards: with --rule sparse the same as --sparsify=moves, with the others as --sparsify=off
     #[arg(long, conflicts_with = "sparsify")]
     pub no_sparsify: bool,
     /// The largest length of a tetrahedron's edge; regions of a .poly file have their largest volumes besides
@@ -134,13 +136,27 @@ pub struct Table1 {
     pub markdown: bool,
 }
 
+/// Arguments of `lowest-beta`.
+#[derive(Debug, Args)]
+pub struct LowestBeta {
+    /// The seed of the random data sets
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Only this data set; may be given several times
+    #[arg(long = "only", value_name = "NAME", value_enum)]
+    pub only: Vec<Dataset>,
+    /// A refinement that needs more vertices does not end
+    #[arg(long, value_name = "N", default_value_t = 300_000)]
+    pub max_vertices: usize,
+}
+
 /// Arguments of `dataset`.
 #[derive(Debug, Args)]
 pub struct DatasetArguments {
     /// Which one
     #[arg(value_name = "NAME", value_enum)]
     pub dataset: Dataset,
-    /// The seed of the random ones (cube8, ellipsoid, random)
+    /// The seed of the random ones (all but cube1 and helix)
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
 }
@@ -173,6 +189,10 @@ impl RuleName {
 /// The levels of the pass that takes Steiner points away again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SparsifyName {
+    /// The sampler alone
+    Off,
+    /// A sample may move a Steiner point near it instead; no pass afterwards
+    Moves,
     /// What is found at little cost
     Quick,
     /// Three to five times the time, about an eighth fewer
@@ -182,6 +202,8 @@ pub enum SparsifyName {
 impl From<SparsifyName> for Sparsify {
     fn from(name: SparsifyName) -> Sparsify {
         match name {
+            SparsifyName::Off => Sparsify::Off,
+            SparsifyName::Moves => Sparsify::Moves,
             SparsifyName::Quick => Sparsify::Quick,
             SparsifyName::Thorough => Sparsify::Thorough,
         }
@@ -192,7 +214,7 @@ impl Refine {
     /// The level asked for, if one was.
     pub fn level(&self) -> Option<Sparsify> {
         if self.no_sparsify {
-            return Some(Sparsify::Off);
+            return Some(if self.rule == RuleName::Sparse { Sparsify::Moves } else { Sparsify::Off });
         }
         self.sparsify.map(Sparsify::from)
     }
@@ -203,22 +225,24 @@ impl Refine {
 pub enum Method {
     Circumcenter,
     Paper,
-    Sparse,
+    Sampler,
+    Moves,
     Quick,
     Thorough,
 }
 
 impl Method {
     /// All of them, the one that the others are compared with first.
-    pub const TABLE: [Method; 5] =
-        [Method::Circumcenter, Method::Paper, Method::Sparse, Method::Quick, Method::Thorough];
+    pub const TABLE: [Method; 6] =
+        [Method::Circumcenter, Method::Paper, Method::Sampler, Method::Moves, Method::Quick, Method::Thorough];
 
     /// As the options that choose it.
     pub fn name(self) -> &'static str {
         match self {
             Method::Circumcenter => "circumcenter",
             Method::Paper => "paper",
-            Method::Sparse => "sparse, no pass",
+            Method::Sampler => "sparse, sampler",
+            Method::Moves => "sparse, no pass",
             Method::Quick => "sparse",
             Method::Thorough => "sparse, thorough",
         }
@@ -228,13 +252,14 @@ impl Method {
         match self {
             Method::Circumcenter => Rule::Circumcenter,
             Method::Paper => Rule::Paper,
-            Method::Sparse | Method::Quick | Method::Thorough => Rule::Sparse,
+            Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => Rule::Sparse,
         }
     }
 
     pub fn sparsify(self) -> Sparsify {
         match self {
-            Method::Circumcenter | Method::Paper | Method::Sparse => Sparsify::Off,
+            Method::Circumcenter | Method::Paper | Method::Sampler => Sparsify::Off,
+            Method::Moves => Sparsify::Moves,
             Method::Quick => Sparsify::Quick,
             Method::Thorough => Sparsify::Thorough,
         }

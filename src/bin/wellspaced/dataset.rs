@@ -1,4 +1,4 @@
-//! The five data sets of the paper's table, rebuilt as recipes (its files were never published). Each is a cube of
+//! The five data sets of the paper's table, rebuilt as recipes (its files were never published), and two more of ours. Each is a cube of
 //! eight corners and six facets with points inside.
 //!
 //! The same name and seed give the same bytes on every platform: the generator is value-stable, its numbers become
@@ -10,7 +10,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wellspaced::Plc;
 
-/// A data set of the paper.
+/// A data set of the paper, or one of ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Dataset {
     /// Two points at unit distance in a cube of side 100,000
@@ -23,11 +23,18 @@ pub enum Dataset {
     Helix,
     /// 10,000 points in a cube
     Random,
+    /// Not the paper's: 100,000 points in a cube, which they fill
+    Uniform,
+    /// Not the paper's: 10,000 points whose spacing grows with their distance from the centre, a million times in all
+    Graded,
 }
 
 impl Dataset {
-    /// All of them, in the order of the paper's table.
+    /// The paper's, in the order of its table.
     pub const ALL: [Dataset; 5] = [Dataset::Cube1, Dataset::Cube8, Dataset::Ellipsoid, Dataset::Helix, Dataset::Random];
+
+    /// Ours.
+    pub const MORE: [Dataset; 2] = [Dataset::Uniform, Dataset::Graded];
 
     /// The name on the command line and of its file.
     pub fn name(self) -> &'static str {
@@ -37,6 +44,8 @@ impl Dataset {
             Dataset::Ellipsoid => "ellipsoid",
             Dataset::Helix => "helix",
             Dataset::Random => "random",
+            Dataset::Uniform => "uniform",
+            Dataset::Graded => "graded",
         }
     }
 
@@ -48,10 +57,12 @@ impl Dataset {
             Dataset::Ellipsoid => "Ellipsoid",
             Dataset::Helix => "Helix",
             Dataset::Random => "Random",
+            Dataset::Uniform => "Uniform",
+            Dataset::Graded => "Graded",
         }
     }
 
-    /// The domain. `seed` only matters to the random ones: Cube8, Ellipsoid and Random.
+    /// The domain. `seed` only matters to the random ones: all but Cube1 and Helix.
     pub fn build(self, seed: u64) -> Plc {
         let mut random = Random::new(seed);
         let (half, points) = match self {
@@ -60,6 +71,8 @@ impl Dataset {
             Dataset::Ellipsoid => (1.0, (0..10_000).map(|_| on_ellipsoid(&mut random)).collect()),
             Dataset::Helix => (1.0, helix()),
             Dataset::Random => (1.5, (0..10_000).map(|_| random.in_cube()).collect()),
+            Dataset::Uniform => (1.0, (0..100_000).map(|_| random.in_cube()).collect()),
+            Dataset::Graded => (1.0, (0..10_000).map(|_| graded(&mut random)).collect()),
         };
         Plc::boxed(DVec3::splat(-half), DVec3::splat(half), points)
     }
@@ -76,6 +89,12 @@ fn cube8(random: &mut Random) -> Vec<DVec3> {
         points.push(centre + random.direction());
     }
     points
+}
+
+/// A point in a random direction whose distance from the centre is anything from 2⁻²⁰ to 1 by its logarithm.
+fn graded(random: &mut Random) -> DVec3 {
+    let distance = libm::exp2(-20.0 * random.unit());
+    distance * random.direction()
 }
 
 const SEMI_AXES: DVec3 = DVec3::new(0.8, 0.5, 0.35);
@@ -157,6 +176,17 @@ mod tests {
             let inside = |p: &DVec3| p.abs().max_element() < plc.points[7].x;
             assert!(plc.points[8..].iter().all(inside), "{}", dataset.name());
         }
+    }
+
+    #[test]
+    fn ours_are_as_described() {
+        assert_eq!(Dataset::Uniform.build(1).points.len(), 100_008);
+        let points = &Dataset::Graded.build(1).points[8..];
+        let distance = |p: &DVec3| p.length();
+        let (low, high) = points.iter().map(distance).fold((1f64, 0f64), |(l, h), d| (l.min(d), h.max(d)));
+        assert!(low < 1e-6 * 1.05 && high > 0.99 && high < 1.0 + 1e-15, "{low} {high}");
+        let far = points.iter().filter(|p| p.length() > 1e-3).count();
+        assert!((4_800..5_200).contains(&far), "{far}");
     }
 
     #[test]

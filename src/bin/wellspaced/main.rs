@@ -7,7 +7,7 @@
 //! | [`write`] | output files, whole or not at all |
 //! | [`mesh`] | `refine` and `delaunay` |
 //! | [`check`] | `check`: every defect of a domain |
-//! | [`table`] | `table1`: the paper's table beside ours |
+//! | [`table`] | `table1`: the paper's table beside ours, and `lowest-beta` |
 //! | [`dataset`] | `dataset`: the paper's data sets as recipes |
 //! | [`report`], [`progress`], [`failure`] | what is said on standard output and standard error |
 
@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Command::Delaunay(arguments) => mesh::delaunay(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Table1(arguments) => table::table1(&arguments),
+        Command::LowestBeta(arguments) => table::lowest::lowest_beta(&arguments),
         Command::Dataset(arguments) => dataset(&arguments),
     };
     match result {

@@ -105,10 +105,10 @@ pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure
             let short = ending(path).as_deref() == Some("smesh");
             Content::Domain(poly::parse_poly(path, bytes, short, &mut source)?)
         }
-        Format::Stl => Content::Domain(stl::parse_stl(path, bytes)?.into_domain()),
-        Format::Ply => Content::Domain(ply::parse_ply(path, bytes)?.into_domain()),
-        Format::Obj => Content::Domain(obj::parse_obj(path, bytes)?.into_domain()),
-        Format::Off => Content::Domain(off::parse_off(path, bytes, &mut source)?.into_domain()),
+        Format::Stl => Content::Domain(stl::parse_stl(path, bytes)?.into_domain(path)?),
+        Format::Ply => Content::Domain(ply::parse_ply(path, bytes)?.into_domain(path)?),
+        Format::Obj => Content::Domain(obj::parse_obj(path, bytes)?.into_domain(path)?),
+        Format::Off => Content::Domain(off::parse_off(path, bytes, &mut source)?.into_domain(path)?),
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };

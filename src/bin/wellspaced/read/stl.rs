@@ -35,4 +35,18 @@ mod tests {
         let failure = parse_stl(Path::new("in.stl"), b"solid x\nfacet bad\n").unwrap_err();
         assert!(failure.message().starts_with("in.stl: "), "{failure:?}");
     }
+
+    /// Found by fuzzing.
+    #[test]
+    fn coordinates_of_binary_files_must_be_finite() {
+        let mut content = vec![b' '; 80];
+        content.extend(1u32.to_le_bytes());
+        for x in [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, f32::NAN, 0.0] {
+            content.extend(f32::to_le_bytes(x));
+        }
+        content.extend([0; 2]);
+        let path = Path::new("in.stl");
+        let failure = parse_stl(path, &content).and_then(|surface| surface.into_domain(path)).unwrap_err();
+        assert_eq!(failure.message(), "in.stl: point 2: a coordinate is not finite");
+    }
 }

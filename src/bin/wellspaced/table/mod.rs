@@ -1,7 +1,8 @@
-//! The command `table1`: every data set × bound × rule, ours beside the paper's table.
+//! The command `table1`: every data set × bound × rule, ours beside the paper's table. Beside it `lowest-beta` ([`lowest`]).
 //!
 //! Rows run one after the other, so that their times can be compared.
 
+pub mod lowest;
 mod paper;
 mod print;
 mod row;
@@ -27,10 +28,7 @@ pub fn table1(arguments: &Table1) -> Result<(), Failure> {
         say(&print::text_header())?;
     }
     let mut rows = Vec::new();
-    for dataset in Dataset::ALL {
-        if !arguments.only.is_empty() && !arguments.only.contains(&dataset) {
-            continue;
-        }
+    for dataset in chosen(&arguments.only) {
         let input = load(dataset, arguments)?;
         for radius_edge in paper::RADIUS_EDGES {
             for rule in Method::TABLE {
@@ -46,6 +44,12 @@ pub fn table1(arguments: &Table1) -> Result<(), Failure> {
         (_, true) => say(&print::markdown(&rows)),
         _ => say(&print::text_footer(&rows)),
     }
+}
+
+/// The data sets of `only`, in a fixed order, or all of the paper's.
+fn chosen(only: &[Dataset]) -> impl Iterator<Item = Dataset> + '_ {
+    let all = Dataset::ALL.into_iter().chain(Dataset::MORE);
+    all.filter(|dataset| only.contains(dataset) || only.is_empty() && Dataset::ALL.contains(dataset))
 }
 
 /// The data set of the recipe, or of the file in the user's folder.

@@ -25,13 +25,14 @@ pub fn input_vertices(dataset: Dataset) -> usize {
         Dataset::Cube1 => 12,
         Dataset::Cube8 => 32,
         Dataset::Ellipsoid | Dataset::Random => 10_008,
+        Dataset::Uniform | Dataset::Graded => 0,
         Dataset::Helix => 1_008,
     }
 }
 
 /// Vertices and tetrahedra by circumcentres, then by the paper's rule, for each of [`RADIUS_EDGES`].
-fn rows(dataset: Dataset) -> [[(usize, usize); 2]; 4] {
-    match dataset {
+fn rows(dataset: Dataset) -> Option<[[(usize, usize); 2]; 4]> {
+    Some(match dataset {
         Dataset::Cube1 => [
             [(596, 3_420), (570, 3_280)],
             [(265, 1_440), (220, 1_196)],
@@ -62,7 +63,8 @@ fn rows(dataset: Dataset) -> [[(usize, usize); 2]; 4] {
             [(11_463, 75_257), (11_118, 73_484)],
             [(10_377, 68_595), (10_326, 68_202)],
         ],
-    }
+        Dataset::Uniform | Dataset::Graded => return None,
+    })
 }
 
 /// What the paper printed, if it has this rule.
@@ -71,9 +73,9 @@ pub fn printed(dataset: Dataset, radius_edge: f64, rule: Method) -> Option<Print
     let column = match rule {
         Method::Circumcenter => 0,
         Method::Paper => 1,
-        Method::Sparse | Method::Quick | Method::Thorough => return None,
+        Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => return None,
     };
-    let (vertices, tetrahedra) = rows(dataset)[row][column];
+    let (vertices, tetrahedra) = rows(dataset)?[row][column];
     let misprint = (dataset, row, column) == (Dataset::Helix, 3, 1);
     Some(Printed { vertices, tetrahedra, steiner: vertices - input_vertices(dataset), misprint })
 }

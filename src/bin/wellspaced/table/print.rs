@@ -94,7 +94,7 @@ pub fn text_footer(rows: &[Row]) -> String {
 fn is_printed(rule: Method) -> bool {
     match rule {
         Method::Circumcenter | Method::Paper => true,
-        Method::Sparse | Method::Quick | Method::Thorough => false,
+        Method::Sampler | Method::Moves | Method::Quick | Method::Thorough => false,
     }
 }
 
@@ -215,12 +215,14 @@ mod tests {
         vec![
             row(Dataset::Helix, 8.0, Method::Circumcenter, 1_234_567),
             row(Dataset::Helix, 8.0, Method::Paper, 500),
-            row(Dataset::Helix, 8.0, Method::Sparse, 400),
+            row(Dataset::Helix, 8.0, Method::Sampler, 450),
+            row(Dataset::Helix, 8.0, Method::Moves, 400),
             row(Dataset::Helix, 8.0, Method::Quick, 300),
             row(Dataset::Helix, 8.0, Method::Thorough, 200),
             row(Dataset::Random, 1.5, Method::Circumcenter, 20),
             row(Dataset::Random, 1.5, Method::Paper, 10),
-            row(Dataset::Random, 1.5, Method::Sparse, 5),
+            row(Dataset::Random, 1.5, Method::Sampler, 6),
+            row(Dataset::Random, 1.5, Method::Moves, 5),
             row(Dataset::Random, 1.5, Method::Quick, 4),
             row(Dataset::Random, 1.5, Method::Thorough, 3),
         ]
@@ -242,7 +244,7 @@ mod tests {
         );
         let header = text_header();
         assert_eq!(line.trim_end().len(), header.lines().nth(1).unwrap().len());
-        let stopped = Row { status: "vertex_limit", ..rows[5].clone() };
+        let stopped = Row { status: "vertex_limit", ..rows[6].clone() };
         assert!(text_row(&stopped, &rows).ends_with(" vertex_limit\n"));
         assert!(text_footer(&rows).contains("paper            0.014 "), "{}", text_footer(&rows));
     }
@@ -252,7 +254,7 @@ mod tests {
         let text = markdown(&rows());
         assert!(
             text.contains(
-                "| Helix (10) | 8 | 1,234,577 | 8,727 | 6,172,835 | 49,998 | 510 | 3,923 | 2,500 | 37,738 (sic) | 410 | 2,000 | 310 | 1,500 | 210 | 1,000 | 0 |"
+                "| Helix (10) | 8 | 1,234,577 | 8,727 | 6,172,835 | 49,998 | 510 | 3,923 | 2,500 | 37,738 (sic) | 460 | 2,250 | 410 | 2,000 | 310 | 1,500 | 210 | 1,000 | 0 |"
             ),
             "{text}"
         );
@@ -267,8 +269,8 @@ mod tests {
     fn json_has_rows_and_means() {
         let value = json(&rows());
         assert_eq!(value["rows"][1]["paper"]["misprint"], true);
-        assert_eq!(value["rows"][6]["steiner_ratio"]["ours"], 0.5);
-        assert_eq!(value["rows"][5]["steiner_ratio"], Value::Null);
+        assert_eq!(value["rows"][7]["steiner_ratio"]["ours"], 0.5);
+        assert_eq!(value["rows"][6]["steiner_ratio"], Value::Null);
         assert_eq!(value["mean_steiner_ratio"]["paper"]["1.5"]["ours"], 0.5);
     }
 }

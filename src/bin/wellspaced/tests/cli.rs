@@ -279,7 +279,7 @@ fn the_table_has_all_rows_of_a_data_set() {
     write_dataset(&folder, "cube8");
     let result: Value = serde_json::from_str(&stdout(&folder, &["table1", "--only", "cube8", "--json"])).unwrap();
     let rows = result["rows"].as_array().unwrap();
-    let methods = ["circumcenter", "paper", "sparse, no pass", "sparse", "sparse, thorough"];
+    let methods = ["circumcenter", "paper", "sparse, sampler", "sparse, no pass", "sparse", "sparse, thorough"];
     let expected = [1.5, 2.0, 4.0, 8.0].map(|bound| methods.map(|method| (bound, method)));
     let found: Vec<_> =
         rows.iter().map(|row| (row["radius_edge"].as_f64().unwrap(), row["rule"].as_str().unwrap())).collect();
@@ -301,8 +301,8 @@ fn the_table_has_all_rows_of_a_data_set() {
     // The same from a folder of files, as text.
     let text = stdout(&folder, &["table1", "--only", "cube8", "--data", "."]);
     let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("Cube8")).collect();
-    assert_eq!(lines.len(), 20, "{text}");
-    assert!(lines[0].contains("(2,164)") && lines[16].contains("(233)"), "{text}");
+    assert_eq!(lines.len(), 24, "{text}");
+    assert!(lines[0].contains("(2,164)") && lines[19].contains("(233)"), "{text}");
     assert!(text.contains(&format!("paper            {mean:.3} (")), "{text}");
     let (status, message) = failure_after_header(&folder, &["table1", "--only", "helix", "--data", "."]);
     assert_eq!(status, 1);

@@ -1,0 +1,59 @@
+//! Off-centres on facets: where a subfacet is split that gives way to a sample of the sparse rule.
+//!
+//! Rule 2 takes the circumcentre, which is far from the subfacet's corners but may be near to something beside it. Any point of the facet inside the circle splits
+//! the subfacet. Here those between the circumcentre and the foot of the sample are tried, which would be in its place on the facet, and the one wins
+//! whose nearest vertex is farthest. Where the circumcentre would have a subsegment split first and another does not, that one must keep 1/√2 of
+//! the sample's distance from its nearest vertex, which is what a circumcentre keeps of it. So nothing comes nearer than by the
+//! classical rules. (Taking the foot wherever it keeps that distance gains on facets with many vertices near them and loses elsewhere. On
+//! segments the middle always wins.)
+//!
+//! Hosts get samples one batch at a time and split at circumcentres; there the sparsifier is off, and so are these.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::DVec3;
+
+use super::refiner::Refiner;
+use crate::domain::pending::Demand;
+use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::geometry::flush_tiny;
+
+/// How far from the circumcentre to the foot the points are that are tried.
+const SHARES: [f64; 2] = [0.5, 1.0];
+
+impl Refiner<'_> {
+    /// A better point than the circumcentre to split a subfacet at, if the sample that has just asked for the split leads to one.
+    pub(super) fn facet_off_centre(&mut self, face: [u32; 3], demand: Demand) -> Option<DVec3> {
+        let (sample, clearance) = self.given_way.take()?;
+        let start = self.t.face_tetrahedron(face)?;
+        let [a, b, c] = face.map(|v| self.t.at(v));
+        let normal = (b - a).cross(c - a);
+        let foot = sample - normal * (normal.dot(sample - a) / normal.length_squared());
+        let center = triangle_circumcenter(a, b, c);
+        let mut widest = self.room_on_facet(flush_tiny(center), start, demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
+        let mut best = None;
+        for share in SHARES {
+            let p = flush_tiny(center + (foot - center) * share);
+            if p.distance_squared(center) >= a.distance_squared(center) {
+                continue;
+            }
+            if let Some(room) = self.room_on_facet(p, start, demand).filter(|&room| room > widest) {
+                (widest, best) = (room, Some(p));
+            }
+        }
+        best
+    }
+
+    /// How far a point's nearest vertex is; `None` where it can't be inserted, or subsegments would have to be split before.
+    fn room_on_facet(&mut self, p: DVec3, start: u32, demand: Demand) -> Option<f64> {
+        if !p.is_finite() || self.t.prepare(p, start, &mut self.cavity).is_err() {
+            self.cavity.clear();
+            return None;
+        }
+        let room = self.rim_distance(p);
+        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        self.cavity.clear();
+        let waits = self.encroached.segments.iter().any(|&s| self.boundary.waits_segment(s, demand));
+        (!waits).then_some(room)
+    }
+}
