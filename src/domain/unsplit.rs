@@ -282,7 +282,7 @@ impl Boundary {
         }
         let edge = |edge: [u32; 2]| edge_key(edge.map(renamed));
         let face = |face: [u32; 3]| face_key(face.map(renamed));
-        self.subsegments = self.subsegments.drain().map(|(key, segment)| (edge(key), segment)).collect();
+        self.subsegments.renumber(renamed);
         self.subfacets = self.subfacets.drain().map(|(key, facet)| (face(key), facet)).collect();
         self.pending_segments.retain(|(key, _)| !key.iter().any(gone));
         self.pending_facets.retain(|(key, _)| !key.iter().any(gone));
