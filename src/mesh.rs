@@ -175,7 +175,7 @@ impl Mesh {
             boundary.pending_segments.clear();
             boundary.pending_facets.clear();
             // Angles near 0 may ask for splits without end, almost: then the element that is still missing is named.
-            let elements = self.t.vertex_count() + boundary.size();
+            let elements = self.t.vertex_count() + boundary.element_count();
             let max_vertices = RECOVERY_ROOM + RECOVERY_FACTOR.saturating_mul(elements);
             let options = RefineOptions { max_vertices, ..RefineOptions::default() };
             status = Refiner::new(&mut self.t, &mut boundary, &options).recover(control)?;

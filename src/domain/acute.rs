@@ -88,7 +88,7 @@ impl Boundary {
     pub(super) fn find_sharp(&mut self, t: &Triangulation) {
         let mut sharp = vec![false; self.segments.len()];
         let mut inward: Vec<DVec3> = Vec::new();
-        for (&[a, b], &segment) in &self.subsegments {
+        for (&[a, b], &segment) in self.subsegments.iter() {
             inward.clear();
             let along = (t.at(b) - t.at(a)).normalize_or_zero();
             for &facet in &self.segments[segment as usize].facets {

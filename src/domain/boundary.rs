@@ -1,24 +1,20 @@
-//! The boundary of a domain as the refinement sees it: subsegments and subfacets, which change as they are split, and the question of
-//! which of them a point encroaches upon.
-//!
-//! Only elements at the cavity of a point have to be asked. A subsegment `ab` that nothing encroaches has its midpoint in its own Voronoi
-//! facet; a point in its diametral ball is nearer to the midpoint, so it cuts the facet, so it conflicts with a
-//! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges.
+//! The boundary of a domain as the refinement sees it: subsegments and subfacets, which change as they are split, and the queues of those that
+//! have to be.
 
 use std::collections::VecDeque;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::acute::Carrier;
+pub use super::encroached::Encroached;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
-use crate::geometry::circumsphere::triangle_circumcenter;
+use super::subsegments::Subsegments;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::leavings::{InPieces, Leavings};
-use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{slot_of, tet_of, Tetrahedron, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::{Defect, Triangulation};
-use crate::{memory, Control, DVec3, Error};
+use crate::{memory, Control, Error};
 
 /// An edge's key: lower vertex first.
 pub fn edge_key([a, b]: [u32; 2]) -> [u32; 2] {
@@ -52,39 +48,6 @@ pub struct Segment {
     pub ends: [u32; 2],
     /// The facets that it borders or lies in.
     pub facets: Vec<u32>,
-}
-
-/// Boundary elements that a point encroaches upon.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Encroached {
-    /// Subsegments, lower vertex first.
-    pub segments: Vec<[u32; 2]>,
-    /// Subfacets, vertices in order.
-    pub facets: Vec<[u32; 3]>,
-    /// Subsegments that would go from the triangulation without being encroached. That is so near small input angles only, where vertices
-    /// are left in the balls of elements.
-    pub lost_segments: Vec<[u32; 2]>,
-    /// Subfacets of which the same is true.
-    pub lost_facets: Vec<[u32; 3]>,
-}
-
-impl Encroached {
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.segments.is_empty() && self.facets.is_empty() && !self.loses()
-    }
-
-    /// Whether some would go though they are not encroached.
-    pub fn loses(&self) -> bool {
-        !(self.lost_segments.is_empty() && self.lost_facets.is_empty())
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.segments.clear();
-        self.facets.clear();
-        self.lost_segments.clear();
-        self.lost_facets.clear();
-    }
 }
 
 /// What is known of a vertex before a split, to take the split back.
@@ -125,7 +88,7 @@ pub struct Boundary {
     pub(super) segments: Vec<Segment>,
     pub(super) facets: Vec<FacetTriangulation>,
     /// The segment of each subsegment.
-    pub(super) subsegments: FxHashMap<[u32; 2], u32>,
+    pub(super) subsegments: Subsegments,
     /// The facet of each subfacet.
     pub(super) subfacets: FxHashMap<[u32; 3], u32>,
     /// Elements that a split has taken out of the triangulation; those that are there again by their turn are passed over.
@@ -218,8 +181,8 @@ impl Boundary {
         all
     }
 
-    /// Number of subsegments and subfacets.
-    pub(crate) fn size(&self) -> usize {
+    /// How many subsegments and subfacets there are.
+    pub(crate) fn element_count(&self) -> usize {
         self.subsegments.len() + self.subfacets.len()
     }
 
@@ -263,62 +226,6 @@ impl Boundary {
             return None;
         }
         self.subfacets.get(&face_key(face)).copied()
-    }
-
-    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
-    /// small input angles have left an element encroached). `found` is filled, in order of ids.
-    pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
-        found.clear();
-        let mut seen = FxHashSet::default();
-        let regions = &t.topology.region;
-        let by_labels = self.parts_labels && !self.misses() && !self.recovering && !regions.is_empty();
-        for &tet in &cavity.tets {
-            let Tetrahedron { v, n } = *t.topology.tet(tet);
-            let kinds = v.map(|v| if v == GHOST { 0 } else { self.kind(v) });
-            let count = |bit: u8| kinds.iter().filter(|&&kind| kind & bit != 0).count();
-            if count(ON_SEGMENT) >= 2 {
-                for [i, j] in crate::geometry::quality::EDGES {
-                    if kinds[i] & kinds[j] & ON_SEGMENT == 0 {
-                        continue;
-                    }
-                    let key = edge_key([v[i], v[j]]);
-                    // Each is looked at once.
-                    if !self.subsegments.contains_key(&key) || !seen.insert(key) {
-                        continue;
-                    }
-                    if encroaches_segment(key.map(|v| t.at(v)), p) {
-                        found.segments.push(key);
-                    } else if t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around)) {
-                        found.lost_segments.push(key);
-                    }
-                }
-            }
-            if count(ON_FACET) >= 3 {
-                for (slot, &beyond) in n.iter().enumerate() {
-                    let across = tet_of(beyond);
-                    let goes = cavity.contains(across);
-                    // Each face is looked at once. A facet that parts two regions shows in their labels.
-                    if goes && across < tet || by_labels && regions[tet as usize] == regions[across as usize] {
-                        continue;
-                    }
-                    let face = t.topology.tet(tet).face(slot);
-                    if !self.is_subfacet(face) {
-                        continue;
-                    }
-                    let key = face_key(face);
-                    if encroaches_facet(key.map(|v| t.at(v)), p) {
-                        found.facets.push(key);
-                    } else if goes {
-                        found.lost_facets.push(key);
-                    }
-                }
-            }
-        }
-        // Not in the order of storage.
-        found.segments.sort_unstable();
-        found.facets.sort_unstable();
-        found.lost_segments.sort_unstable();
-        found.lost_facets.sort_unstable();
     }
 
     /// Queues what of these elements still exists and can be split as demanded.
@@ -422,17 +329,6 @@ impl Boundary {
         }
     }
 
-    /// Keeps one subsegment and one subfacet, those that `p` encroaches upon most: whose centre is nearest to it, measured by the radius of their balls.
-    /// What else it encroaches upon often needs no split any more when it comes again.
-    pub(crate) fn keep_nearest(&self, t: &Triangulation, p: DVec3, found: &mut Encroached) {
-        let depth = |center: DVec3, corner: u32| p.distance_squared(center) / t.at(corner).distance_squared(center);
-        let segment = |&[a, b]: &[u32; 2]| depth(0.5 * t.at(a) + 0.5 * t.at(b), a);
-        let facet = |&[a, b, c]: &[u32; 3]| depth(triangle_circumcenter(t.at(a), t.at(b), t.at(c)), a);
-        found.segments =
-            found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
-        found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();
-    }
-
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued. Nothing has
     /// changed when the control says stop.
     pub(crate) fn unblock(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
@@ -451,12 +347,6 @@ impl Boundary {
         self.blocked_facets.clear();
         self.enqueue_first(t, segments, facets);
         Ok(())
-    }
-
-    /// Takes out what can't be split as demanded.
-    pub(crate) fn drop_blocked(&self, found: &mut Encroached, demand: Demand) {
-        found.segments.retain(|&s| self.waits_segment(s, demand));
-        found.facets.retain(|&f| self.waits_facet(f, demand));
     }
 
     /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation. Nothing has changed when the
@@ -593,10 +483,10 @@ impl Boundary {
     /// The bytes of its lists, about.
     pub(crate) fn bytes(&self) -> usize {
         // A byte of control for each place of a map.
-        self.subsegments.capacity() * (size_of::<([u32; 2], u32)>() + 1)
+        self.subsegments.bytes()
             + self.subfacets.capacity() * (size_of::<([u32; 3], u32)>() + 1)
-            + self.pending_segments.capacity() * size_of::<[u32; 2]>()
-            + self.pending_facets.capacity() * size_of::<[u32; 3]>()
+            + self.pending_segments.capacity() * size_of::<([u32; 2], Demand)>()
+            + self.pending_facets.capacity() * size_of::<([u32; 3], Demand)>()
             + self.carriers.capacity() * size_of::<Carrier>()
             + self.kinds.capacity()
     }

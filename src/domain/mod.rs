@@ -4,18 +4,19 @@
 //! |---|---|
 //! | [`plc`] | the complex as the caller describes it |
 //! | [`check`] | every defect of a complex |
-//! | [`boundary`] | its subsegments and subfacets as they are split, and which of them a point encroaches upon |
+//! | [`boundary`] | its subsegments and subfacets as they are split |
+//! | `encroached` | which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
 //! | `cut` | polygons that are not planar cut into triangles |
 //! | `join` | coplanar facets joined |
 //! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
+//! | `subsegments` | the subsegments as a map |
 //! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
 //! | `protect` | where subfacets are split near them |
 //! | [`pending`] | what is demanded of a split |
-//! | `guard` | which splits would take out what they must not |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //!
@@ -27,8 +28,8 @@ pub mod boundary;
 mod build;
 pub mod check;
 mod cut;
+mod encroached;
 pub mod facet;
-mod guard;
 mod join;
 pub(crate) mod label;
 pub mod pending;
@@ -37,6 +38,7 @@ pub mod plc;
 pub(crate) mod protect;
 mod sector;
 mod split;
+mod subsegments;
 #[cfg(test)]
 mod tests;
 mod unsplit;

@@ -73,7 +73,9 @@ impl Boundary {
         let Some(segment) = self.subsegments.remove(&key) else { return };
         let parts = key.map(|end| edge_key([end, new]));
         for part in parts {
-            self.subsegments.entry(part).or_insert(segment);
+            if !self.subsegments.contains_key(&part) {
+                self.subsegments.insert(part, segment);
+            }
         }
         let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
         self.mark(new, ON_SEGMENT | if sharp { SHARP } else { 0 });
@@ -138,8 +140,10 @@ impl Boundary {
         for &(edge, known) in &before.segments {
             match known {
                 Some(segment) => self.subsegments.insert(edge, segment),
-                None => self.subsegments.remove(&edge),
-            };
+                None => {
+                    self.subsegments.remove(&edge);
+                }
+            }
         }
         for &(face, known) in &before.facets {
             match known {

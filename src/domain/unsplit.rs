@@ -290,7 +290,7 @@ impl Boundary {
         control.check()?;
         let edge = |edge: [u32; 2]| edge_key(edge.map(renamed));
         let face = |face: [u32; 3]| face_key(face.map(renamed));
-        self.subsegments = self.subsegments.drain().map(|(key, segment)| (edge(key), segment)).collect();
+        self.subsegments.renumber(renamed);
         control.check()?;
         self.subfacets = self.subfacets.drain().map(|(key, facet)| (face(key), facet)).collect();
         control.check()?;

@@ -8,6 +8,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::limits::Limits;
+use super::obstacle::Obstacles;
 use super::queue::{shortest_edge, Queue};
 use super::restore::{Element, Record};
 use super::sizing::Sizes;
@@ -53,6 +54,8 @@ pub struct Refiner<'a> {
     pub sparsifier: Option<Sparsifier>,
     /// The length of the edge being mended, which the sparsifier wants to know.
     edge: f64,
+    /// That edge, for the obstacles.
+    mended: [u32; 2],
     created: Vec<u32>,
     pub(super) cavity: Cavity,
     pub(super) encroached: Encroached,
@@ -72,6 +75,8 @@ pub struct Refiner<'a> {
     pub(super) records: Vec<Record>,
     /// Scratch: what opens when one is taken back.
     pub(super) hole: Hole,
+    /// What samples have failed on.
+    pub(super) obstacles: Obstacles,
     /// What is asked for of the size of tetrahedra.
     pub sizes: Option<Sizes<'a>>,
     /// Samples may be in the balls of boundary elements, but split none.
@@ -100,6 +105,7 @@ impl<'a> Refiner<'a> {
             min_edge: if options.min_edge > 0.0 { options.min_edge } else { default },
             sparsifier: None,
             edge: 0.0,
+            mended: [GHOST; 2],
             created: Vec::new(),
             cavity: Cavity::default(),
             encroached: Encroached::default(),
@@ -113,6 +119,7 @@ impl<'a> Refiner<'a> {
             progress: 0.0,
             records: Vec::new(),
             hole: Hole::default(),
+            obstacles: Obstacles::default(),
             sizes: None,
             spare_boundary: false,
             given_way: None,
@@ -248,6 +255,7 @@ impl<'a> Refiner<'a> {
         let samples = if bad { self.sample(tet, [i, j]) } else { sample_circumcenter(self.t.corners(tet)) };
         let mut placed_any = false;
         self.edge = length2.sqrt();
+        self.mended = edge_key([v[i], v[j]]);
         let mut reason = Unrefined::Rounding;
         for &p in &samples.points {
             if self.t.vertex_count() >= self.max_vertices {
@@ -323,15 +331,35 @@ impl<'a> Refiner<'a> {
     pub fn place(&mut self, p: DVec3, near: u32) -> Result<Placed, Error> {
         let p = flush_tiny(p);
         let start = if self.t.topology.tet(near).is_live() { near } else { self.t.recent() };
-        if crate::geometry::check_range(0, p).is_err() || self.t.prepare(p, start, &mut self.cavity).is_err() {
+        if crate::geometry::check_range(0, p).is_err() {
+            return Ok(Placed::Refused(Unrefined::Rounding));
+        }
+        // What can be split as demanded is not in the way.
+        let demand = (!(self.boundary.kept || self.spare_boundary)).then_some(self.demand);
+        let corners = self.t.topology.tet(start).v;
+        if self.obstacles.stop((self.t, self.boundary), self.mended, (start, corners), p, demand) {
+            return Ok(Placed::Refused(Unrefined::Boundary));
+        }
+        if self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if !self.encroached.is_empty() {
-            let loses = self.boundary.loses(self.t, &self.cavity, &self.encroached);
-            let demand = self.demand;
-            if !(self.boundary.kept || self.spare_boundary) {
+            let stays = |element: &Element| !demand.is_some_and(|demand| element.waits(self.boundary, demand));
+            let segments = self.encroached.taken_segments().map(Element::Segment);
+            let obstacle = segments.chain(self.encroached.taken_facets().map(Element::Facet)).find(stays);
+            // Whatever else were split, the sample could not be inserted.
+            if let Some(obstacle) = obstacle {
+                self.obstacles.note(self.t, self.mended, corners, obstacle);
+                self.cavity.clear();
+                return Ok(Placed::Refused(Unrefined::Boundary));
+            }
+            if let Some(demand) = demand {
+                // What is taken out can be split, or it would have been an obstacle.
+                let Encroached { segments, facets, lost_segments, lost_facets, .. } = &mut self.encroached;
+                segments.append(lost_segments);
+                facets.append(lost_facets);
                 self.boundary.drop_blocked(&mut self.encroached, demand);
                 if !self.encroached.segments.is_empty() {
                     self.encroached.facets.clear();
@@ -348,14 +376,11 @@ impl<'a> Refiner<'a> {
                     return Ok(Placed::Encroaches);
                 }
             }
-            // None of them can be split. The boundary is no worse for a point in the balls of its elements, as long as these stay.
-            if loses {
-                self.cavity.clear();
-                return Ok(Placed::Refused(Unrefined::Boundary));
-            }
+            // None of them can be split, none is taken out. The boundary is no worse for a point in the balls of its elements.
         }
         // A point outside encroaches upon the boundary unless that can't be split any more.
-        let leaves = !self.boundary.is_empty() && self.cavity.tets.iter().any(|&t| !self.t.is_inside(t));
+        // No subfacet goes with the cavity, so it lies on one side of the boundary.
+        let leaves = !self.boundary.is_empty() && self.cavity.tets.first().is_some_and(|&t| !self.t.is_inside(t));
         let clearance = self.rim_distance(p);
         if leaves || clearance < self.min_edge.max(self.demand.length) {
             self.cavity.clear();

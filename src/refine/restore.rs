@@ -15,6 +15,7 @@ use crate::domain::boundary::Standing;
 use crate::domain::facet::FacetChange;
 use crate::domain::label::OUTSIDE;
 use crate::domain::pending::Demand;
+use crate::domain::Boundary;
 use crate::triangulation::remove::Replacement;
 use crate::triangulation::topology::tet_of;
 use crate::{Control, Error, RefineStatus};
@@ -43,10 +44,20 @@ fn in_order(mut v: [u32; 4]) -> [u32; 4] {
 }
 
 /// A boundary element.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
     Segment([u32; 2]),
     Facet([u32; 3]),
+}
+
+impl Element {
+    /// Whether it exists and its split is not known to miss the demand.
+    pub fn waits(self, boundary: &Boundary, demand: Demand) -> bool {
+        match self {
+            Element::Segment(edge) => boundary.waits_segment(edge, demand),
+            Element::Facet(face) => boundary.waits_facet(face, demand),
+        }
+    }
 }
 
 /// What one step of the recovery did.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::refiner::Refiner;
 use super::restore::Labels;
 use crate::domain::boundary::{edge_key, face_key, Boundary};
+use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::flush_tiny;
@@ -58,6 +59,9 @@ impl Refiner<'_> {
                 if let Some(reach) = self.forbidden(p, &edge, demand) {
                     return Ok(self.block_segment(edge, reach));
                 }
+                if self.is_doomed(&changes, &edge, demand) {
+                    return Ok(self.block_segment(edge, NEVER));
+                }
                 self.boundary.apply(&changes, p);
                 let labels = self.labels_of_cavity();
                 let new = self.insert_prepared(p)?;
@@ -108,6 +112,9 @@ impl Refiner<'_> {
         let changes = [change];
         if let Some(reach) = self.forbidden(p, &face, demand) {
             return Ok(self.block_facet(face, reach));
+        }
+        if self.is_doomed(&changes, &face, demand) {
+            return Ok(self.block_facet(face, NEVER));
         }
         self.boundary.apply(&changes, p);
         let labels = self.labels_of_cavity();
@@ -162,6 +169,22 @@ impl Refiner<'_> {
             return Some(NEVER);
         }
         (reach < self.boundary.demanded(demand, corners)).then_some(reach)
+    }
+
+    /// Whether the split in hand, which changes facets so, takes out another element whose own split is known to miss the demand. It would have to be
+    /// taken back, which costs far more where stars are large.
+    fn is_doomed(&self, changes: &[(u32, FacetChange)], corners: &[u32], demand: Demand) -> bool {
+        if self.boundary.recovering {
+            return false;
+        }
+        let after = demand.following();
+        let replaced = |face: [u32; 3]| {
+            changes.iter().any(|(_, change)| change.removed.iter().any(|&removed| face_key(removed) == face))
+        };
+        self.encroached
+            .taken_segments()
+            .any(|edge| *corners != edge_key(edge) && !self.boundary.waits_segment(edge, after))
+            || self.encroached.taken_facets().any(|face| !replaced(face) && !self.boundary.waits_facet(face, after))
     }
 
     pub(super) fn block_segment(&mut self, edge: [u32; 2], reach: f64) -> Split {

@@ -1,0 +1,172 @@
+//! Which subsegments and subfacets a point encroaches upon, or would take out of the triangulation.
+//!
+//! Only elements at the cavity of a point have to be asked. A subsegment `ab` that nothing encroaches has its midpoint in its own Voronoi
+//! facet; a point in its diametral ball is nearer to the midpoint, so it cuts the facet, so it conflicts with a
+//! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges.
+
+use rustc_hash::FxHashSet;
+
+use super::boundary::{edge_key, face_key, Boundary, ON_FACET};
+use super::pending::Demand;
+use super::subsegments::Subsegments;
+use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::geometry::quality::EDGES;
+use crate::triangulation::cavity::Cavity;
+use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
+use crate::triangulation::Triangulation;
+use crate::DVec3;
+
+/// Boundary elements that a point encroaches upon.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Encroached {
+    /// Subsegments, lower vertex first.
+    pub segments: Vec<[u32; 2]>,
+    /// Subfacets, vertices in order.
+    pub facets: Vec<[u32; 3]>,
+    /// Subsegments that would go from the triangulation without being encroached. That is so near small input angles only, where vertices
+    /// are left in the balls of elements.
+    pub lost_segments: Vec<[u32; 2]>,
+    /// Subfacets of which the same is true.
+    pub lost_facets: Vec<[u32; 3]>,
+    /// Those of the encroached ones that would go.
+    going_segments: Vec<[u32; 2]>,
+    going_facets: Vec<[u32; 3]>,
+}
+
+impl Encroached {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.segments.is_empty() && self.facets.is_empty() && !self.loses()
+    }
+
+    /// Whether some would go though they are not encroached.
+    pub fn loses(&self) -> bool {
+        !(self.lost_segments.is_empty() && self.lost_facets.is_empty())
+    }
+
+    /// The subsegments that would go, encroached or not. No free vertex must take anything out once the boundary has been recovered. It would do so
+    /// only near small input angles, or where an element must not be split; elsewhere it would encroach upon the element, and not be inserted.
+    pub(crate) fn taken_segments(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.going_segments.iter().chain(&self.lost_segments).copied()
+    }
+
+    /// The subfacets that would go, encroached or not.
+    pub(crate) fn taken_facets(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.going_facets.iter().chain(&self.lost_facets).copied()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.segments.clear();
+        self.facets.clear();
+        self.lost_segments.clear();
+        self.lost_facets.clear();
+        self.going_segments.clear();
+        self.going_facets.clear();
+    }
+}
+
+impl Boundary {
+    /// Whether labels tell subfacets: each lies between two labels, and no other face does.
+    fn shows_in_labels(&self, t: &Triangulation) -> bool {
+        self.parts_labels && !self.misses() && !self.recovering && !t.topology.region.is_empty()
+    }
+
+    /// The face of a tetrahedron opposite a slot, if it is a subfacet.
+    pub(crate) fn subfacet_at(&self, t: &Triangulation, tet: u32, slot: usize) -> Option<[u32; 3]> {
+        let (tetrahedron, regions) = (t.topology.tet(tet), &t.topology.region);
+        let across = tet_of(tetrahedron.n[slot]);
+        if self.shows_in_labels(t) && regions[tet as usize] == regions[across as usize] {
+            return None;
+        }
+        let face = tetrahedron.face(slot);
+        self.is_subfacet(face).then(|| face_key(face))
+    }
+
+    /// The edge between two slots of a tetrahedron, if it is a subsegment.
+    pub(crate) fn subsegment_at(&self, t: &Triangulation, tet: u32, [i, j]: [usize; 2]) -> Option<[u32; 2]> {
+        let v = t.topology.tet(tet).v;
+        let may = Subsegments::may_hold(v[i], self.subsegments.partners(v[i]), v[j], self.subsegments.partners(v[j]));
+        Some(edge_key([v[i], v[j]])).filter(|key| may && self.subsegments.contains_key(key))
+    }
+
+    /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
+    /// small input angles have left an element encroached). `found` is filled, in order of ids.
+    pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
+        found.clear();
+        let mut seen = FxHashSet::default();
+        let regions = &t.topology.region;
+        let by_labels = self.shows_in_labels(t);
+        for &tet in &cavity.tets {
+            let Tetrahedron { v, n } = *t.topology.tet(tet);
+            let partners = v.map(|v| self.subsegments.partners(v));
+            for [i, j] in EDGES {
+                if !Subsegments::may_hold(v[i], partners[i], v[j], partners[j]) {
+                    continue;
+                }
+                let key = edge_key([v[i], v[j]]);
+                // Each is looked at once.
+                if !self.subsegments.contains_key(&key) || !seen.insert(key) {
+                    continue;
+                }
+                let goes = || t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around));
+                if encroaches_segment(key.map(|v| t.at(v)), p) {
+                    found.segments.push(key);
+                    if goes() {
+                        found.going_segments.push(key);
+                    }
+                } else if goes() {
+                    found.lost_segments.push(key);
+                }
+            }
+            let on_facet = |&&v: &&u32| v != GHOST && self.kind(v) & ON_FACET != 0;
+            if v.iter().filter(on_facet).count() >= 3 {
+                for (slot, &beyond) in n.iter().enumerate() {
+                    let across = tet_of(beyond);
+                    let goes = cavity.contains(across);
+                    // Each face is looked at once. A facet that parts two regions shows in their labels.
+                    if goes && across < tet || by_labels && regions[tet as usize] == regions[across as usize] {
+                        continue;
+                    }
+                    let face = t.topology.tet(tet).face(slot);
+                    if !self.is_subfacet(face) {
+                        continue;
+                    }
+                    let key = face_key(face);
+                    if encroaches_facet(key.map(|v| t.at(v)), p) {
+                        found.facets.push(key);
+                        if goes {
+                            found.going_facets.push(key);
+                        }
+                    } else if goes {
+                        found.lost_facets.push(key);
+                    }
+                }
+            }
+        }
+        // Not in the order of storage.
+        found.segments.sort_unstable();
+        found.facets.sort_unstable();
+        found.lost_segments.sort_unstable();
+        found.lost_facets.sort_unstable();
+        found.going_segments.sort_unstable();
+        found.going_facets.sort_unstable();
+    }
+
+    /// Keeps one subsegment and one subfacet, those that `p` encroaches upon most: whose centre is nearest to it, measured by the radius of their balls.
+    /// What else it encroaches upon often needs no split any more when it comes again.
+    pub(crate) fn keep_nearest(&self, t: &Triangulation, p: DVec3, found: &mut Encroached) {
+        let depth = |center: DVec3, corner: u32| p.distance_squared(center) / t.at(corner).distance_squared(center);
+        let segment = |&[a, b]: &[u32; 2]| depth(0.5 * t.at(a) + 0.5 * t.at(b), a);
+        let facet = |&[a, b, c]: &[u32; 3]| depth(triangle_circumcenter(t.at(a), t.at(b), t.at(c)), a);
+        found.segments =
+            found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
+        found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();
+    }
+
+    /// Takes out what can't be split as demanded.
+    pub(crate) fn drop_blocked(&self, found: &mut Encroached, demand: Demand) {
+        found.segments.retain(|&s| self.waits_segment(s, demand));
+        found.facets.retain(|&f| self.waits_facet(f, demand));
+    }
+}
