@@ -27,8 +27,11 @@ impl Refiner<'_> {
         let (sample, clearance) = self.given_way.take()?;
         let start = self.t.face_tetrahedron(face)?;
         let [a, b, c] = face.map(|v| self.t.at(v));
-        let normal = (b - a).cross(c - a);
-        let foot = sample - normal * (normal.dot(sample - a) / normal.length_squared());
+        // Made of the sides, so that on a plane of constant x, y or z it lies exactly.
+        let (u, v, w) = (b - a, c - a, sample - a);
+        let normal = u.cross(v);
+        let along = |n: DVec3| n.dot(normal) / normal.length_squared();
+        let foot = a + u * along(w.cross(v)) + v * along(u.cross(w));
         let center = triangle_circumcenter(a, b, c);
         let mut widest = self.room_on_facet(flush_tiny(center), start, demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
         let mut best = None;
