@@ -209,7 +209,7 @@ pub unsafe extern "C" fn wsp_plc_check(plc: *const wsp_plc, out: *mut *mut wsp_c
 }
 
 /// wsp_plc_check that `control`, which may be NULL, cancels: WSP_CANCELLED then, and `*out` is NULL. The control is not looked at while the search
-/// tree of all sides is made, or that of the facets: about 60 ms for 100,000 of them.
+/// tree of all sides is made, or that of the facets.
 /// Errors: those of wsp_plc_check.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_check_within(

@@ -15,15 +15,14 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use crate::domain::pending::Demand;
-use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::flush_tiny;
 
 /// How far from the circumcentre to the foot the points are that are tried.
 const SHARES: [f64; 2] = [0.5, 1.0];
 
 impl Refiner<'_> {
-    /// A better point than the circumcentre to split a subfacet at, if the sample that has just asked for the split leads to one.
-    pub(super) fn facet_off_centre(&mut self, face: [u32; 3], demand: Demand) -> Option<DVec3> {
+    /// A better point than the circumcentre `center` to split a subfacet at, if the sample that has just asked for the split leads to one.
+    pub(super) fn facet_off_centre(&mut self, face: [u32; 3], center: DVec3, demand: Demand) -> Option<DVec3> {
         let (sample, clearance) = self.given_way.take()?;
         let start = self.t.face_tetrahedron(face)?;
         let [a, b, c] = face.map(|v| self.t.at(v));
@@ -32,7 +31,6 @@ impl Refiner<'_> {
         let normal = u.cross(v);
         let along = |n: DVec3| n.dot(normal) / normal.length_squared();
         let foot = a + u * along(w.cross(v)) + v * along(u.cross(w));
-        let center = triangle_circumcenter(a, b, c);
         let mut widest = self.room_on_facet(flush_tiny(center), start, demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
         let mut best = None;
         for share in SHARES {

@@ -83,9 +83,8 @@ impl Refiner<'_> {
     /// Rule 2: inserts a subfacet's circumcentre, or a better point beside it, unless that encroaches upon a subsegment, which then is queued before it.
     pub(super) fn split_facet(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
         self.boundary.reserve()?;
-        let off_centre = self.facet_off_centre(face, demand);
         let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
-            FacetSplit::At(p, triangle) => (off_centre.unwrap_or(flush_tiny(p)), triangle),
+            FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand).unwrap_or(flush_tiny(p)), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
         };
         let corners = face.map(|v| self.t.at(v));

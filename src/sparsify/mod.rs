@@ -13,8 +13,8 @@
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
-//! Segments and facets stay covered by edges and faces. Some may be left encroached, which needs no split where all tetrahedra are good
-//! (see `domain::clearance`); a later refinement splits them if it has to.
+//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, which needs no split where all tetrahedra
+//! are good; a later refinement splits them if it has to.
 //!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
@@ -75,8 +75,6 @@ pub(crate) struct Effort {
     pub cascade: usize,
     /// Whether the last pass begins with all Steiner points, not only with those on the boundary.
     pub all: bool,
-    /// Whether there is a last pass.
-    pub pass: bool,
 }
 
 impl Sparsify {
@@ -100,7 +98,6 @@ impl Effort {
                 reach: 1.2,
                 cascade: 0,
                 all: false,
-                pass: false,
             },
             Sparsify::Quick => Effort {
                 neighbours: 3,
@@ -113,7 +110,6 @@ impl Effort {
                 reach: 1.75,
                 cascade: 0,
                 all: false,
-                pass: true,
             },
             Sparsify::Thorough => Effort {
                 neighbours: 8,
@@ -126,7 +122,6 @@ impl Effort {
                 reach: 1.75,
                 cascade: 3,
                 all: true,
-                pass: true,
             },
         }
     }
@@ -147,6 +142,8 @@ const CHANGES: usize = 8;
 #[derive(Debug, Default)]
 pub(crate) struct Sparsifier {
     effort: Effort,
+    /// Whether there is a last pass.
+    pass: bool,
     radius_edge: f64,
     min_edge: f64,
     /// Vertices below are the caller's.
@@ -166,12 +163,19 @@ pub(crate) struct Sparsifier {
 impl Sparsifier {
     /// For Steiner points from id `first` on.
     pub fn new(level: Sparsify, radius_edge: f64, min_edge: f64, first: u32) -> Sparsifier {
-        Sparsifier { effort: Effort::of(level), radius_edge, min_edge, first, ..Sparsifier::default() }
+        Sparsifier {
+            effort: Effort::of(level),
+            pass: level.has_pass(),
+            radius_edge,
+            min_edge,
+            first,
+            ..Sparsifier::default()
+        }
     }
 
     /// Whether a last pass follows the refinement.
     pub fn has_pass(&self) -> bool {
-        self.effort.pass
+        self.pass
     }
 
     /// Lets the last pass begin with all Steiner points.
