@@ -98,3 +98,16 @@ pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
         now
     }
 }
+
+/// Asks for what is at an address before it is needed. Where it points does not matter: nothing is read.
+#[inline(always)]
+pub(crate) fn prefetch<T>(address: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a hint to the cache, which no address makes fail.
+    unsafe {
+        use std::arch::x86_64::{_mm_prefetch, _MM_HINT_T0};
+        _mm_prefetch::<_MM_HINT_T0>(address.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
+}

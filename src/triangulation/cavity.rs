@@ -41,6 +41,12 @@ impl Cavity {
         self.marks.get(t as usize).is_some_and(|&mark| mark != 0)
     }
 
+    /// A number from 0 on for each of its vertices, as long as it is the last one that was found.
+    #[inline]
+    pub fn number(&self, v: u32) -> usize {
+        self.labels.number(v)
+    }
+
     /// Forgets the cavity; its memory stays for the next one.
     #[inline]
     pub fn clear(&mut self) {

@@ -69,6 +69,13 @@ impl Labels {
         unsafe { *self.of.get_unchecked(entry) }
     }
 
+    /// The number of a vertex of the cavity, counted from 0.
+    #[inline]
+    pub fn number(&self, v: u32) -> usize {
+        debug_assert!((self.first..self.next).contains(&self.of[v.wrapping_add(1) as usize]));
+        self.of[v.wrapping_add(1) as usize].wrapping_sub(self.first) as usize
+    }
+
     /// Whether the ghost is a vertex of the cavity.
     #[inline]
     pub fn has_ghost(&self) -> bool {
@@ -97,6 +104,12 @@ impl Leavings for Labels {
 }
 
 impl Giver {
+    /// Asks for a vertex's number before it is given one.
+    #[inline(always)]
+    pub fn prefetch(&self, v: u32) {
+        memory::prefetch(self.of.wrapping_add(v.wrapping_add(1) as usize));
+    }
+
     /// Gives a vertex a number if it has none.
     ///
     /// # Safety

@@ -203,6 +203,9 @@ fn unsure_faces(filter: &Filter, corners: [&DVec3; 4], p: DVec3, unsure: u32) ->
         .sum()
 }
 
+/// How many turns before its own the neighbours of a tetrahedron are fetched.
+const AHEAD: usize = 2;
+
 /// Returns whether the cavity was found: where it reaches beyond the territory, the search ends.
 ///
 /// # Safety
@@ -290,6 +293,15 @@ unsafe fn search<L: Lanes, T: Territory>(
         tets_len += found.count_ones() as usize;
         if next == tets_len {
             break true;
+        }
+        // SAFETY: one that has been written, and a tetrahedron in conflict.
+        unsafe {
+            let ahead = *entries.as_ptr().add((next + AHEAD).min(tets_len - 1));
+            let tet = site.tet(tet_of(ahead));
+            for face in tet.n {
+                site.prefetch(tet_of(face));
+            }
+            giver.prefetch(tet.v[slot_of(ahead)]);
         }
     };
     // SAFETY: as many have been written.

@@ -9,6 +9,7 @@ use super::topology::{slot_of, tet_of, Tetrahedron, GHOST};
 use super::Triangulation;
 use crate::geometry::perturbation::in_conflict;
 use crate::geometry::{Filter, Sign};
+use crate::memory;
 
 /// Tetrahedra and points.
 #[derive(Clone, Copy)]
@@ -61,6 +62,12 @@ impl<'a> Site<'a> {
         let tet = unsafe { &*self.tets.add(t as usize) };
         debug_assert!(tet.is_live());
         tet
+    }
+
+    /// Asks for a tetrahedron before it is needed.
+    #[inline(always)]
+    pub fn prefetch(self, t: u32) {
+        memory::prefetch(self.tets.wrapping_add(t as usize));
     }
 
     /// The vertex opposite a face.

@@ -9,6 +9,7 @@ use super::faces::{oriented_face, rotated};
 use super::{Coming, Hole, Replacement, ADDED, REMOVED};
 use crate::geometry::perturbation::in_conflict;
 use crate::geometry::Sign;
+use crate::memory;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST, NONE};
 use crate::triangulation::Triangulation;
 
@@ -26,10 +27,16 @@ impl Triangulation {
             hole.clear();
             return false;
         }
+        let fetch_mark = |t: u32, hole: &Hole| memory::prefetch(hole.marks.as_ptr().wrapping_add(t as usize));
+        for &t in going {
+            self.topology.prefetch(t);
+            fetch_mark(t, hole);
+        }
         for &t in going {
             let tet = self.topology.tet(t);
             if tet.is_live() && !tet.is_ghost() && !hole.contains(t) {
                 hole.take(t, tet.v);
+                tet.n.iter().for_each(|&n| fetch_mark(tet_of(n), hole));
             }
         }
         let fits = self.find_faces(hole, &|| true).is_ok()
