@@ -144,7 +144,7 @@ impl<'a> Refiner<'a> {
             if self.boundary_step()? {
                 continue;
             }
-            let Some(t) = self.queue.pop(self.t)? else { break };
+            let Some(t) = self.next_bad()? else { break };
             self.mend(t)?;
         }
         Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
@@ -234,6 +234,29 @@ impl<'a> Refiner<'a> {
             self.boundary.pending_facets.push_front((face_key(face), demand));
         }
         Ok(split)
+    }
+
+    /// The tetrahedron to be mended next.
+    fn next_bad(&mut self) -> Result<Option<u32>, Error> {
+        let Refiner { t, queue, sizes, radius_edge, .. } = self;
+        let t = &**t;
+        queue.pop(t, |places, out| {
+            let live = |&tet: &u32| t.topology.tet(tet).is_live() && t.is_inside(tet);
+            let mut fine = Vec::new();
+            in_fours(places.iter().copied().filter(live), |four, count| {
+                let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), *radius_edge);
+                for i in 0..count {
+                    if bad >> i & 1 != 0 {
+                        out.push((four[i], shortest[i]));
+                    } else if sizes.is_some() {
+                        fine.push(four[i]);
+                    }
+                }
+            });
+            if let Some(sizes) = sizes {
+                out.extend(sizes.too_large(t, &fine).into_iter().map(|tet| (tet, shortest_edge(t, tet).1)));
+            }
+        })
     }
 
     /// One step for a bad tetrahedron: samples its shortest edge.
@@ -443,22 +466,32 @@ pub(super) fn watch(
     radius_edge: f64,
     tets: impl Iterator<Item = u32>,
 ) -> Result<(), Error> {
-    let mut inside = tets.filter(|&tet| t.is_inside(tet));
+    let mut outcome = Ok(());
+    in_fours(tets.filter(|&tet| t.is_inside(tet)), |four, count| {
+        let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), radius_edge);
+        for i in (0..count).filter(|i| bad >> i & 1 != 0) {
+            if let Err(error) = queue.push(t, four[i], shortest[i]) {
+                outcome = Err(error);
+            }
+        }
+    });
+    outcome
+}
+
+/// Four at a time; the last ones are filled up, and how many count is said.
+#[inline]
+fn in_fours(mut tets: impl Iterator<Item = u32>, mut look: impl FnMut([u32; 4], usize)) {
     loop {
         let (mut four, mut count) = ([0; 4], 0);
-        for (place, tet) in four.iter_mut().zip(&mut inside) {
+        for (place, tet) in four.iter_mut().zip(&mut tets) {
             *place = tet;
             count += 1;
         }
         if count == 0 {
-            return Ok(());
+            return;
         }
         let last = four[count - 1];
         four[count..].fill(last);
-        let corners = four.map(|tet| t.corner_refs(tet));
-        let (bad, shortest) = four_exceed_radius_edge(&corners, radius_edge);
-        for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            queue.push(t, four[i], shortest[i])?;
-        }
+        look(four, count);
     }
 }
