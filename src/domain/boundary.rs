@@ -228,6 +228,17 @@ impl Boundary {
         self.subfacets.get(&face_key(face)).copied()
     }
 
+    /// Whether a face of a tetrahedron with these vertices may be a subfacet.
+    #[inline]
+    pub(crate) fn may_have_wall(&self, v: [u32; 4]) -> bool {
+        v.into_iter().filter(|&v| v != GHOST && self.kind(v) & ON_FACET != 0).count() >= 3
+    }
+
+    /// Whether nothing but subfacets parts the domain from what is outside it.
+    pub(crate) fn closes(&self, t: &Triangulation) -> bool {
+        !(self.is_empty() || self.misses() || t.topology.region.is_empty())
+    }
+
     /// Queues what of these elements still exists and can be split as demanded.
     pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand) {
         for &s in &found.segments {

@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::boundary::{edge_key, face_key, Boundary, ON_FACET};
+use super::boundary::{edge_key, face_key, Boundary};
 use super::pending::Demand;
 use super::subsegments::Subsegments;
 use crate::geometry::circumsphere::triangle_circumcenter;
@@ -99,6 +99,11 @@ impl Boundary {
         let by_labels = self.shows_in_labels(t);
         for &tet in &cavity.tets {
             let Tetrahedron { v, n } = *t.topology.tet(tet);
+            // Far from the boundary, most are.
+            let on_boundary = |&&v: &&u32| v != GHOST && self.kind(v) != 0;
+            if v.iter().filter(on_boundary).count() < 2 {
+                continue;
+            }
             let partners = v.map(|v| self.subsegments.partners(v));
             for [i, j] in EDGES {
                 if !Subsegments::may_hold(v[i], partners[i], v[j], partners[j]) {
@@ -119,8 +124,7 @@ impl Boundary {
                     found.lost_segments.push(key);
                 }
             }
-            let on_facet = |&&v: &&u32| v != GHOST && self.kind(v) & ON_FACET != 0;
-            if v.iter().filter(on_facet).count() >= 3 {
+            if self.may_have_wall(v) {
                 for (slot, &beyond) in n.iter().enumerate() {
                     let across = tet_of(beyond);
                     let goes = cavity.contains(across);

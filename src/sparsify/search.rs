@@ -95,9 +95,19 @@ impl Sparsifier {
     ) -> Option<Found> {
         let limit = self.reach(demand);
         self.near.clear();
+        // A bit for each of the cavity's vertices that has been considered; those beyond are few.
+        let mut seen = [0u64; 8];
         for &id in &cavity.tets {
             for w in t.topology.tet(id).v {
-                if !self.near.iter().any(|n| n.1 == w) {
+                if w < self.first || w == GHOST {
+                    continue;
+                }
+                let number = cavity.number(w);
+                let is_new = match seen.get_mut(number / 64) {
+                    Some(word) => std::mem::replace(word, *word | 1 << (number % 64)) >> (number % 64) & 1 == 0,
+                    None => !self.near.iter().any(|n| n.1 == w),
+                };
+                if is_new {
                     self.consider(t, boundary, w, p, limit, true);
                 }
             }

@@ -250,7 +250,7 @@ fn a_hole_that_follows_from_another_is_as_one_made_anew() {
         let plan = Unsplit::default();
         if known.open(&t, &[v])
             && known.fill(&t, &boundary, &[v], &plan, demand, usize::MAX)
-            && more.fill_more(&known, &t, &boundary, (w, 0.0), demand, usize::MAX)
+            && more.fill_more(&mut known, &t, &boundary, (w, 0.0), demand, usize::MAX)
         {
             assert!(anew.open(&t, &[v, w]) && anew.fill(&t, &boundary, &[v, w], &plan, demand, usize::MAX));
             assert_eq!(filled(&more), filled(&anew));
@@ -260,7 +260,7 @@ fn a_hole_that_follows_from_another_is_as_one_made_anew() {
         let p = t.at(w) + 0.1 * (DVec3::new(next(), next(), next()) - 0.5);
         t.prepare(p, t.recent(), &mut cavity).unwrap();
         if known.take_cavity(&t, &boundary, p, &cavity, demand)
-            && more.fill_more(&known, &t, &boundary, (w, 0.0), demand, usize::MAX)
+            && more.fill_more(&mut known, &t, &boundary, (w, 0.0), demand, usize::MAX)
         {
             let mut with = t.clone();
             let new = with.insert(p, None).unwrap().vertex;
@@ -290,7 +290,7 @@ fn neighbours_of_something_finer_are_left_where_they_are() {
         let star = t.topology.star(w);
         let near = star.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(|&x| x != w && x != GHOST);
         let spacing = near.map(|x| t.at(x).distance(t.at(w))).fold(f64::INFINITY, f64::min);
-        let mut fill = |least: f64| more.fill_more(&known, &t, &boundary, (w, least), demand, usize::MAX);
+        let mut fill = |least: f64| more.fill_more(&mut known, &t, &boundary, (w, least), demand, usize::MAX);
         if fill(0.0) {
             assert!(fill(0.999 * spacing) && !fill(1.001 * spacing));
             seen += 1;

@@ -94,6 +94,9 @@ pub struct Forecast {
     number: Vec<u8>,
     /// By tetrahedron: 0 for those that stay.
     marks: Vec<u16>,
+    /// Whether the marks are those of another forecast's hole too, or another forecast has its own: see [`fill_more`](Forecast::fill_more).
+    borrowed: bool,
+    lent: bool,
     going: Vec<u32>,
     rim: Vec<Rim>,
     open: OpenFaces,
@@ -135,14 +138,24 @@ fn sphere([a, b, c, d]: [DVec3; 4]) -> (DVec3, f64) {
 impl Forecast {
     /// Forgets the last hole and gets ready for one near `origin`.
     fn begin(&mut self, t: &Triangulation, origin: DVec3) {
-        for &v in &self.vertices {
-            self.number[v as usize] = NONE;
-        }
         for &t in &self.going {
             self.marks[t as usize] = 0;
         }
+        (self.borrowed, self.lent) = (false, false);
+        if self.marks.len() < t.topology.tets.len() {
+            self.marks.resize(t.topology.tets.capacity(), 0);
+        }
+        self.begin_lists(t, origin);
+    }
+
+    /// Forgets all but the marks.
+    fn begin_lists(&mut self, t: &Triangulation, origin: DVec3) {
+        for &v in &self.vertices {
+            self.number[v as usize] = NONE;
+        }
         self.vertices.clear();
         self.going.clear();
+        self.star.clear();
         self.rim.clear();
         self.open.clear();
         self.filling.clear();
@@ -153,9 +166,6 @@ impl Forecast {
         self.origin = origin;
         if self.number.len() < t.vertex_slots() {
             self.number.resize(2 * t.vertex_slots(), NONE);
-        }
-        if self.marks.len() < t.topology.tets.len() {
-            self.marks.resize(t.topology.tets.capacity(), 0);
         }
     }
 
@@ -325,6 +335,7 @@ impl Forecast {
         self.going.len() <= 2 * MAX_VERTICES
     }
 
+    #[inline]
     fn number_of(&mut self, t: &Triangulation, v: u32) -> u8 {
         debug_assert!(v != GHOST);
         let number = &mut self.number[v as usize];

@@ -6,15 +6,38 @@ use glam::DVec3;
 use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, NONE, RIM, WALL};
 use crate::domain::Boundary;
 use crate::geometry::quality::EDGES;
+use crate::memory;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::Triangulation;
 
-/// Marks of the tetrahedra that go with the known hole, and those at the vertex.
-const KNOWN: u16 = 1;
-const STAR: u16 = 2;
+/// Marks: those of the known hole, the tetrahedra at the vertex, and of them those that a face which is kept leads to.
+const KNOWN: u16 = MET - 1;
+const MET: u16 = 1 << 14;
+const STAR: u16 = 1 << 15;
 /// A tetrahedron of the known filling that has the vertex.
 const GONE: u16 = u16::MAX;
+
+/// A small set of tetrahedra that never denies one it has.
+#[derive(Clone, Copy, Debug, Default)]
+struct Few([u64; 4]);
+
+impl Few {
+    fn place(id: u32) -> (usize, u64) {
+        let hash = id.wrapping_mul(0x9e37_79b1) >> 24;
+        ((hash >> 6) as usize, 1 << (hash & 63))
+    }
+
+    fn add(&mut self, id: u32) {
+        let (word, bit) = Few::place(id);
+        self.0[word] |= bit;
+    }
+
+    fn may_have(&self, id: u32) -> bool {
+        let (word, bit) = Few::place(id);
+        self.0[word] & bit != 0
+    }
+}
 
 impl Forecast {
     /// Takes the cavity of a point that is not inserted as what would fill its hole. False when it is too large, or not free of walls.
@@ -34,24 +57,26 @@ impl Forecast {
         for (&id, mark) in cavity.tets.iter().zip(1..) {
             self.marks[id as usize] = mark;
         }
+        let closed = boundary.closes(t);
         for (i, &id) in cavity.tets.iter().enumerate() {
-            if !t.is_inside(id) {
+            // Of a cavity that no wall parts all is inside, or nothing.
+            if (!closed || i == 0) && !t.is_inside(id) {
                 return false;
             }
             let tet = t.topology.tet(id);
+            let may_have_wall = boundary.may_have_wall(tet.v);
             let v = tet.v.map(|v| self.number_of(t, v));
             let mut n = [0; 4];
             for (slot, &behind) in tet.n.iter().enumerate() {
-                let facet = boundary.wall(FACE[slot].map(|k| tet.v[k]));
+                let facet = if may_have_wall { boundary.wall(FACE[slot].map(|k| tet.v[k])) } else { None };
                 let beyond = tet_of(behind);
-                let position = self.marks[beyond as usize];
-                n[slot] = if position != 0 {
+                n[slot] = if cavity.contains(beyond) {
                     if facet.is_some() {
                         return false;
                     }
-                    4 * (position - 1) + slot_of(behind) as u16
+                    4 * (self.marks[beyond as usize] - 1) + slot_of(behind) as u16
                 } else {
-                    if facet.is_none() && !t.is_inside(beyond) {
+                    if facet.is_none() && !closed && !t.is_inside(beyond) {
                         return false;
                     }
                     let rim = facet.map_or(Rim::new(behind), |facet| Rim { facet, ..Rim::new(WALL) });
@@ -73,9 +98,12 @@ impl Forecast {
 
     /// Opens and fills the hole that the vertex `w`, which lies on no segment or facet, leaves together with the `known` one. False when it can't be
     /// foreseen, when `w` has a neighbour nearer than `spacing`, or when more than `most` obstacles come.
+    ///
+    /// What is looked at here is seldom in the cache, and each look at what isn't takes longer than all that is computed from it. So the marks of the known hole
+    /// are taken over as they are, until it begins anew.
     pub fn fill_more(
         &mut self,
-        known: &Forecast,
+        known: &mut Forecast,
         t: &Triangulation,
         boundary: &Boundary,
         (w, spacing): (u32, f64),
@@ -86,7 +114,22 @@ impl Forecast {
         if number == NONE {
             return false;
         }
-        self.begin(t, known.origin);
+        if known.lent && self.borrowed {
+            for &id in &self.star {
+                self.marks[id as usize] &= KNOWN;
+            }
+            self.begin_lists(t, known.origin);
+        } else {
+            self.begin(t, known.origin);
+            if known.lent {
+                // Another hole has been looked at since.
+                known.going.iter().for_each(|&id| self.marks[id as usize] = 1);
+            } else {
+                std::mem::swap(&mut self.marks, &mut known.marks);
+                known.lent = true;
+            }
+            self.borrowed = true;
+        }
         self.vertices.extend_from_slice(&known.vertices);
         for (&v, number) in known.vertices.iter().zip(0..) {
             self.number[v as usize] = number;
@@ -98,26 +141,29 @@ impl Forecast {
             list[number as usize] = f64::NAN;
         }
         self.going.extend_from_slice(&known.going);
-        for &id in &known.going {
-            self.marks[id as usize] = KNOWN;
-        }
-        self.find_star(t, w, spacing * spacing)
+        debug_assert!(self.going.iter().all(|&id| self.marks[id as usize] & KNOWN != 0));
+        let closed = boundary.closes(t);
+        self.find_star(t, w, spacing * spacing, closed)
             && self.keep(known, number)
             && self.obstacles.len() <= most
-            && self.open_star(t, boundary, w)
+            && self.open_star(t, boundary, w, closed)
             && self.wrap(demand, most)
     }
 
     /// The tetrahedra at a vertex; false when some lie outside, or a squared edge there is shorter than `least`.
-    fn find_star(&mut self, t: &Triangulation, w: u32, least: f64) -> bool {
+    fn find_star(&mut self, t: &Triangulation, w: u32, least: f64, closed: bool) -> bool {
         let Forecast { star, marks, going, .. } = self;
-        star.clear();
         let (first, p) = (t.topology.vertex_tet[w as usize], t.at(w));
+        let fetch_mark = {
+            let first = marks.as_ptr();
+            move |n: u32| memory::prefetch(first.wrapping_add(tet_of(n) as usize))
+        };
         let mut take = |id: u32, star: &mut Vec<u32>| {
             let mark = &mut marks[id as usize];
             if *mark & STAR == 0 {
                 if *mark == 0 {
                     going.push(id);
+                    t.topology.prefetch(id);
                 }
                 *mark |= STAR;
                 star.push(id);
@@ -126,11 +172,15 @@ impl Forecast {
         take(first, star);
         let mut next = 0;
         while next < star.len() {
-            if !t.is_inside(star[next]) {
+            // A free vertex is inside with all around it.
+            if !closed && !t.is_inside(star[next]) {
                 return false;
             }
             let tet = t.topology.tet(star[next]);
             next += 1;
+            if let Some(&later) = star.get(next) {
+                t.topology.tet(later).n.into_iter().for_each(fetch_mark);
+            }
             for (slot, &behind) in tet.n.iter().enumerate() {
                 if tet.v[slot] != w {
                     if t.at(tet.v[slot]).distance_squared(p) < least {
@@ -145,6 +195,10 @@ impl Forecast {
 
     /// Keeps what is known but for the tetrahedra at vertex `number`. Faces that the others share with the hole are opened.
     fn keep(&mut self, known: &Forecast, number: u8) -> bool {
+        let mut new = Few::default();
+        for &id in self.star.iter().filter(|&&id| self.marks[id as usize] & KNOWN == 0) {
+            new.add(id);
+        }
         self.position.clear();
         let mut kept = 0;
         for tet in &known.filling {
@@ -166,11 +220,13 @@ impl Forecast {
                         }
                     } else {
                         let rim = known.rim[(behind & !RIM) as usize];
-                        if rim.beyond == WALL || self.marks[tet_of(rim.beyond) as usize] & STAR == 0 {
+                        let beyond = tet_of(rim.beyond);
+                        if rim.beyond == WALL || !new.may_have(beyond) || self.marks[beyond as usize] & STAR == 0 {
                             n[slot] = RIM | self.rim.len() as u16;
                             self.rim.push(Rim { inside: handle, ..rim });
                             continue;
                         }
+                        self.marks[beyond as usize] |= MET;
                     }
                     // From the other side, where the hole is.
                     let [a, b, c] = FACE[slot].map(|k| tet.v[k]);
@@ -191,25 +247,19 @@ impl Forecast {
     }
 
     /// Opens the faces opposite `w` of the tetrahedra at it that were not known to go.
-    fn open_star(&mut self, t: &Triangulation, boundary: &Boundary, w: u32) -> bool {
+    fn open_star(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, closed: bool) -> bool {
         for i in 0..self.star.len() {
             let id = self.star[i];
-            if self.marks[id as usize] & KNOWN != 0 {
+            // What is known beyond the face has been kept, and the face opened from there.
+            if self.marks[id as usize] & (KNOWN | MET) != 0 {
                 continue;
             }
             let tet = *t.topology.tet(id);
             let Some(slot) = tet.slot(w) else { return false };
             let face = FACE[slot].map(|k| tet.v[k]);
             let facet = boundary.wall(face);
-            let beyond = tet_of(tet.n[slot]);
-            if facet.is_none() {
-                // What is known there has been kept, and opened from its side.
-                if self.marks[beyond as usize] & KNOWN != 0 {
-                    continue;
-                }
-                if !t.is_inside(beyond) {
-                    return false;
-                }
+            if facet.is_none() && !closed && !t.is_inside(tet_of(tet.n[slot])) {
+                return false;
             }
             let face = face.map(|v| self.number_of(t, v));
             let rim = facet.map_or(Rim::new(tet.n[slot]), |facet| Rim { facet, ..Rim::new(WALL) });

@@ -77,6 +77,7 @@ impl Forecast {
             self.push = (self.filling[missed as usize].center - q).normalize_or_zero();
             return f64::INFINITY;
         }
+        self.fetch_rim(t);
         let mut star = Star::new(q, demand, cap);
         self.beyond.clear();
         let fits = self.join_within(t, on, &mut star)
@@ -125,6 +126,18 @@ impl Forecast {
             self.marks[id as usize] = 0;
         }
         fits
+    }
+
+    /// Asks for what is beyond the rim where the cavity reaches it, if it has not been looked at.
+    fn fetch_rim(&self, t: &Triangulation) {
+        for (tet, _) in self.filling.iter().zip(&self.hit).filter(|(_, &hit)| hit) {
+            for &n in tet.n.iter().filter(|&&n| n & RIM != 0) {
+                let rim = &self.rim[(n & !RIM) as usize];
+                if rim.beyond != WALL && rim.radius2 < 0.0 {
+                    t.topology.prefetch(tet_of(rim.beyond));
+                }
+            }
+        }
     }
 
     /// The cavity inside the filling.
