@@ -524,7 +524,10 @@ impl Mesh {
             four[count..].fill(last);
             report.tetrahedra += count;
             let corners = four.map(|tet| self.t.corner_refs(tet));
-            extremes.add(&corners);
+            let keeps = extremes.radius_edge <= bound;
+            if extremes.add(&corners) == 0 && keeps {
+                continue;
+            }
             let bad = four_exceed_radius_edge(&corners, bound).0;
             for (_, &tet) in four[..count].iter().enumerate().filter(|(i, _)| bad >> i & 1 != 0) {
                 report.bad += 1;

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::quality::{four_may_exceed, may_be_narrower, min_dihedral_degrees, radius_edge};
+use super::quality::{four_may_be_narrower, four_may_exceed, min_dihedral_degrees, radius_edge};
 
 /// The extremes of the tetrahedra added.
 #[derive(Clone, Copy, Debug)]
@@ -22,20 +22,26 @@ impl Default for Extremes {
 }
 
 impl Extremes {
-    /// Adds four tetrahedra, one of them several times perhaps.
+    /// Adds four tetrahedra, one of them several times perhaps. Returns a bit for each that may have a greater radius-edge ratio than all before;
+    /// the others have none.
     #[inline]
-    pub fn add(&mut self, tets: &[[&DVec3; 4]; 4]) {
+    pub fn add(&mut self, tets: &[[&DVec3; 4]; 4]) -> u32 {
         let worse = four_may_exceed(tets, self.radius_edge);
+        let narrower = four_may_be_narrower(tets, self.cotangent);
+        if worse | narrower == 0 {
+            return 0;
+        }
         for (i, tet) in tets.iter().enumerate() {
             let corners = tet.map(|&p| p);
             if worse >> i & 1 != 0 {
                 self.radius_edge = self.radius_edge.max(radius_edge(corners));
             }
-            if may_be_narrower(corners, self.cotangent) {
+            if narrower >> i & 1 != 0 {
                 self.dihedral_degrees = self.dihedral_degrees.min(min_dihedral_degrees(corners));
                 self.cotangent = self.dihedral_degrees.to_radians().tan().recip();
             }
         }
+        worse
     }
 }
 

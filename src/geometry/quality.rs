@@ -226,28 +226,62 @@ pub fn min_dihedral_degrees([a, b, c, d]: [DVec3; 4]) -> f64 {
     1f64.atan2(greatest).to_degrees()
 }
 
-/// Whether a dihedral angle of the tetrahedron may be smaller than the angle with this cotangent. Says no only where
+/// Which of four tetrahedra may have a dihedral angle smaller than the angle with this cotangent, a bit for each. Says no only where
 /// [`min_dihedral_degrees`] is sure to be as large.
 #[inline]
-pub(crate) fn may_be_narrower([a, b, c, d]: [DVec3; 4], cotangent: f64) -> bool {
-    let (u, v, w) = (b - a, c - a, d - a);
-    let (nb, nc, nd) = (w.cross(v), u.cross(w), v.cross(u));
-    let na = -(nb + nc + nd);
-    let volume6 = u.dot(nb);
-    let limit = volume6 * volume6 * cotangent * cotangent * (1.0 - 1e-9);
-    let wide = |n: DVec3, m: DVec3, edge: DVec3| {
-        let dot = n.dot(m);
-        dot >= 0.0 || dot * dot <= limit * edge.length_squared()
-    };
-    // Negated, so that what is no number is looked at.
-    !(cotangent > 0.0
-        && volume6 != 0.0
-        && wide(nc, nd, u)
-        && wide(nb, nd, v)
-        && wide(nb, nc, w)
-        && wide(na, nd, c - b)
-        && wide(na, nc, d - b)
-        && wide(na, nb, d - c))
+pub(crate) fn four_may_be_narrower(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> u32 {
+    // Other cotangents don't tell by their squares.
+    if cotangent.is_nan() || cotangent <= 0.0 {
+        return 0b1111;
+    }
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::available() {
+        // SAFETY: the processor has what the function is compiled for.
+        return unsafe { four_may_be_narrower_avx2(tets, cotangent) };
+    }
+    narrower::<Portable>(tets, cotangent)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn four_may_be_narrower_avx2(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> u32 {
+    narrower::<Avx2>(tets, cotangent)
+}
+
+#[inline(always)]
+fn narrower<L: Lanes>(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> u32 {
+    let [p, q, r, s] = tets;
+    let a = L::load([p[0], q[0], r[0], s[0]]);
+    let b = L::load([p[1], q[1], r[1], s[1]]);
+    let c = L::load([p[2], q[2], r[2], s[2]]);
+    let d = L::load([p[3], q[3], r[3], s[3]]);
+    let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
+    let (nb, nc, nd) = (cross(w, v), cross(u, w), cross(v, u));
+    // That of the fourth face, turned round.
+    let na = [nb[0].add(nc[0]).add(nd[0]), nb[1].add(nc[1]).add(nd[1]), nb[2].add(nc[2]).add(nd[2])];
+    let volume6 = dot(u, nb);
+    let limit = volume6.mul(volume6).mul(L::splat(cotangent * cotangent * (1.0 - 1e-9)));
+    let zero = L::splat(0.0);
+    // What is no number is greater than nothing.
+    let all = limit.greater(zero)
+        & wide(dot(nc, nd), limit, u)
+        & wide(dot(nb, nd), limit, v)
+        & wide(dot(nb, nc), limit, w)
+        & wide(zero.sub(dot(na, nd)), limit, difference(c, b))
+        & wide(zero.sub(dot(na, nc)), limit, difference(d, b))
+        & wide(zero.sub(dot(na, nb)), limit, difference(d, c));
+    !all & 0b1111
+}
+
+/// Whether the angle between two faces with this product of normals is surely wide.
+#[inline(always)]
+fn wide<L: Lanes>(dot: L, limit: L, edge: [L; 3]) -> u32 {
+    dot.greater(L::splat(0.0)) | limit.mul(squared(edge)).greater(dot.mul(dot))
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+    p[0].mul_add(q[0], p[1].mul_add(q[1], p[2].mul(q[2])))
 }
 
 #[cfg(test)]
