@@ -1,6 +1,7 @@
-//! Numbers as text: the shortest digits that read back as the same number.
+//! Numbers as text: the shortest digits that read back as the same number, and lines of integers, of which large meshes have millions.
 
 use std::fmt;
+use std::io::{self, Write};
 
 /// Writes a number with the fewest digits that keep it, with an exponent only where that is shorter to read.
 pub struct Shortest(pub f64);
@@ -8,11 +9,46 @@ pub struct Shortest(pub f64);
 impl fmt::Display for Shortest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.0.abs();
-        if size == 0.0 || (1e-5..1e17).contains(&size) {
-            write!(f, "{}", self.0)
-        } else {
-            write!(f, "{:e}", self.0)
+        if size != 0.0 && !(1e-5..1e17).contains(&size) {
+            return write!(f, "{:e}", self.0);
         }
+        let mut digits = zmij::Buffer::new();
+        let text = digits.format_finite(self.0);
+        if text.contains('e') {
+            return write!(f, "{}", self.0);
+        }
+        f.write_str(text.strip_suffix(".0").unwrap_or(text))
+    }
+}
+
+/// A line of integers with a space between two.
+#[derive(Default)]
+pub struct Line {
+    text: Vec<u8>,
+    digits: itoa::Buffer,
+}
+
+impl Line {
+    /// Adds an integer.
+    pub fn push(&mut self, number: impl itoa::Integer) {
+        if !self.text.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(self.digits.format(number).as_bytes());
+    }
+
+    /// Writes the line, and begins the next.
+    pub fn end(&mut self, out: &mut dyn Write) -> io::Result<()> {
+        self.text.push(b'\n');
+        let result = out.write_all(&self.text);
+        self.text.clear();
+        result
+    }
+
+    /// Writes the line with something more at its end, and begins the next.
+    pub fn end_with(&mut self, out: &mut dyn Write, rest: fmt::Arguments) -> io::Result<()> {
+        self.text.write_fmt(rest)?;
+        self.end(out)
     }
 }
 
@@ -38,11 +74,33 @@ mod tests {
         }
     }
 
+    #[test]
+    fn lines_are_those_of_the_standard_formatting() {
+        let (mut line, mut out) = (Line::default(), Vec::new());
+        for number in [0i64, -1, 7, 10, 999, -1000, i64::from(u32::MAX), i64::MIN] {
+            line.push(number);
+        }
+        line.end(&mut out).unwrap();
+        line.push(12usize);
+        line.end_with(&mut out, format_args!(" {}", Shortest(0.5))).unwrap();
+        let text = format!("0 -1 7 10 999 -1000 {} {}\n12 0.5\n", u32::MAX, i64::MIN);
+        assert_eq!(String::from_utf8(out).unwrap(), text);
+    }
+
     proptest! {
         #[test]
         fn reads_back_as_the_same_bits(number in any::<f64>().prop_filter("finite", |x| x.is_finite())) {
             let back: f64 = Shortest(number).to_string().parse().unwrap();
             prop_assert_eq!(back.to_bits(), number.to_bits());
+        }
+
+        #[test]
+        fn as_the_standard_library_writes_it(number in -1e3..1e3f64, scale in -9..17) {
+            for number in [number, number * 10f64.powi(scale), (number * 10f64.powi(scale)).round()] {
+                let size = number.abs();
+                let plain = size == 0.0 || (1e-5..1e17).contains(&size);
+                prop_assert_eq!(Shortest(number).to_string(), if plain { format!("{number}") } else { format!("{number:e}") });
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use glam::DVec3;
 use wellspaced::Plc;
 
-use super::number::Shortest;
+use super::number::{Line, Shortest};
 
 /// Writes points as a `.node` file, with their markers if any is not 0.
 pub fn write_node(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io::Result<()> {
@@ -24,10 +24,13 @@ pub fn write_node(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io:
 /// Writes tetrahedra as an `.ele` file, in our orientation, with their regions' attributes if there are any.
 pub fn write_ele(out: &mut dyn Write, tetrahedra: &[[u32; 4]], attributes: &[f64]) -> io::Result<()> {
     writeln!(out, "{} 4 {}", tetrahedra.len(), u8::from(!attributes.is_empty()))?;
-    for (number, [a, b, c, d]) in tetrahedra.iter().enumerate() {
+    let mut line = Line::default();
+    for (number, corners) in tetrahedra.iter().enumerate() {
+        line.push(number);
+        corners.iter().for_each(|&corner| line.push(corner));
         match attributes.get(number) {
-            Some(&attribute) => writeln!(out, "{number} {a} {b} {c} {d} {}", Shortest(attribute))?,
-            None => writeln!(out, "{number} {a} {b} {c} {d}")?,
+            Some(&attribute) => line.end_with(out, format_args!(" {}", Shortest(attribute)))?,
+            None => line.end(out)?,
         }
     }
     Ok(())
@@ -36,12 +39,12 @@ pub fn write_ele(out: &mut dyn Write, tetrahedra: &[[u32; 4]], attributes: &[f64
 /// Writes faces as a `.face` file, or edges as an `.edge` file, with their markers.
 pub fn write_marked<const N: usize>(out: &mut dyn Write, elements: &[([u32; N], i32)]) -> io::Result<()> {
     writeln!(out, "{} 1", elements.len())?;
+    let mut line = Line::default();
     for (number, (corners, marker)) in elements.iter().enumerate() {
-        write!(out, "{number}")?;
-        for corner in corners {
-            write!(out, " {corner}")?;
-        }
-        writeln!(out, " {marker}")?;
+        line.push(number);
+        corners.iter().for_each(|&corner| line.push(corner));
+        line.push(*marker);
+        line.end(out)?;
     }
     Ok(())
 }
