@@ -34,10 +34,16 @@ pub fn facet_normal(points: &[DVec3], vertices: &[u32]) -> Option<DVec3> {
     (far - origin).cross(third - origin).try_normalize()
 }
 
+/// The size of a facet with these corners: how far the farthest is from the first.
+pub fn size_from(points: &[DVec3], vertices: &[u32]) -> f64 {
+    let origin = points[vertices[0] as usize];
+    vertices.iter().map(|&v| points[v as usize].distance(origin)).fold(0.0, f64::max)
+}
+
 /// The vertex that lies too far off the plane, and how far.
 pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3) -> Option<(u32, f64)> {
     let origin = points[vertices[0] as usize];
-    let size = vertices.iter().map(|&v| points[v as usize].distance(origin)).fold(0.0, f64::max);
+    let size = size_from(points, vertices);
     let off = vertices.iter().map(|&v| (v, (points[v as usize] - origin).dot(normal).abs()));
     off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > PLANARITY * size)
 }

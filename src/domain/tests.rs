@@ -284,3 +284,33 @@ fn coplanar_facets_are_joined_and_nothing_else_changes() {
     ring.join_coplanar(0.01);
     assert_eq!((ring.facets.len(), ring.facets[0].polygons.len(), ring.facets[0].holes.len()), (1, 2, 1));
 }
+
+/// Nodes of a surface mesh on a slanted side lie off its plane by rounding. Taken for points beside it, they asked for splits down to the last bits of the
+/// coordinates, and refinement ran away outside.
+#[test]
+fn nodes_on_a_slanted_facet_belong_to_it() {
+    let mut plc = prism(&[[0.0, 0.0], [4.0, 0.0], [4.0, 1.5], [2.0, 1.5], [1.5, 3.5], [0.0, 3.5]], 3.0);
+    let first = add(
+        &mut plc,
+        &[
+            [1.8249999999998692, 2.2000000000005215, 2.2187499999980176],
+            [1.6649999999998757, 2.8400000000004963, 2.2124999999981929],
+            [1.7483333333332365, 2.5066666666670541, 1.4624999999972401],
+            [1.8345999999998917, 2.1616000000004325, 0.73787499999792894],
+            // On the slanted edge above.
+            [1.749999999999674, 2.5000000000013038, 3.0],
+            [1.8300000000000003, 2.18, 0.0],
+        ],
+    );
+    let (mesh, report) = meshed(&plc, 2.0, 28.5);
+    assert_eq!(report.bad, 0);
+    assert!(report.vertices < 100, "{} vertices", report.vertices);
+    let boundary = mesh.boundary().unwrap();
+    let slanted = boundary.facets().iter().find(|facet| facet.marker == 6).unwrap();
+    assert!((first..first + 4).all(|v| slanted.corners.contains(&v)));
+    assert!([4, 5].iter().all(|i| boundary.subsegments().iter().any(|(edge, _)| edge.contains(&(first + i)))));
+    // A point that is truly beside the facet stays so.
+    let beside = add(&mut plc, &[[1.7, 2.2, 1.0]]);
+    let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    assert_eq!(mesh.boundary().unwrap().carrier(beside), crate::domain::Carrier::Free);
+}
