@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::arrangement::Arrangement;
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::facet::dominant_axis;
-use crate::domain::planar::{facet_normal, size_from, PLANARITY};
+use crate::domain::planar::{extent, facet_normal, size_from, PLANARITY};
 use crate::domain::plc::Plc;
 use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
@@ -43,7 +43,7 @@ pub(super) fn find(
     let sides = tree(a.sides.iter().map(|side| side.ends.map(|v| a.points[v as usize])));
     control.check()?;
     let triangles = tree(a.triangles.iter().map(|(triangle, _)| triangle.map(|v| a.points[v as usize])));
-    let (alone, reach) = (alone(a), reach(a));
+    let (alone, reach) = (alone(a), PLANARITY * extent(&a.points));
     let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
     points_on_sides(a, &sides, &reach_of, defects, control)?;
     points_in_facets(a, &triangles, &reach_of, defects, control)?;
@@ -64,13 +64,6 @@ fn alone(a: &Arrangement) -> Vec<bool> {
     let named = a.sides.iter().flat_map(|side| side.ends).chain(a.corners.iter().flatten().copied());
     named.for_each(|v| alone[v as usize] = false);
     alone
-}
-
-/// How far from a point elements may be that it belongs to: none has a larger size than all points together.
-fn reach(a: &Arrangement) -> f64 {
-    let usable = || usable_points(a).map(|v| a.points[v as usize]);
-    let (Some(low), Some(high)) = (usable().reduce(DVec3::min), usable().reduce(DVec3::max)) else { return 0.0 };
-    PLANARITY * low.distance(high)
 }
 
 /// Whether `p` lies on the line `qr` between its ends, as nearly as a corner has to lie in its facet.
