@@ -9,23 +9,30 @@
 int main() {
     gmsh::initialize();
     gmsh::option::setNumber("General.Verbosity", 2);
-    gmsh::model::add("box");
+    gmsh::model::add("bracket");
 
-    // A box, with a small edge length at one corner.
-    const int quads[6][4] = {{1, 2, 3, 4}, {5, 6, 7, 8}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}};
-    const double corner[8][3] = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0, 3, 0}, {0, 0, 2}, {4, 0, 2}, {4, 3, 2}, {0, 3, 2}};
-    for (int i = 0; i < 8; ++i)
-        gmsh::model::geo::addPoint(corner[i][0], corner[i][1], corner[i][2], i == 0 ? 0.1 : 2, i + 1);
+    // A bracket: an outline with a slanted side and a corner that goes inwards, drawn out along y. One of its corners has a small edge length.
+    const double outline[6][2] = {{0, 0}, {4, 0}, {4, 1.5}, {2, 1.5}, {1.5, 3.5}, {0, 3.5}};
+    const int n = 6;
+    std::vector<std::vector<int>> sides(2);  // the points of each plane surface: first the two ends
+    for (int i = 0; i < n; ++i) {
+        const int next = (i + 1) % n;
+        gmsh::model::geo::addPoint(outline[i][0], 0, outline[i][1], i == 0 ? 0.1 : 2, i + 1);
+        gmsh::model::geo::addPoint(outline[i][0], 3, outline[i][1], 2, n + i + 1);
+        sides[0].push_back(i + 1);
+        sides[1].push_back(n + i + 1);
+        sides.push_back({i + 1, next + 1, n + next + 1, n + i + 1});
+    }
     std::map<std::pair<int, int>, int> line;
-    for (int i = 0; i < 6; ++i) {
+    for (std::size_t i = 0; i < sides.size(); ++i) {
         std::vector<int> loop;
-        for (int k = 0; k < 4; ++k) {
-            const int a = quads[i][k], b = quads[i][(k + 1) % 4];
+        for (std::size_t k = 0; k < sides[i].size(); ++k) {
+            const int a = sides[i][k], b = sides[i][(k + 1) % sides[i].size()];
             int& made = line[std::minmax(a, b)];
             if (made == 0) made = gmsh::model::geo::addLine(std::min(a, b), std::max(a, b));
             loop.push_back(a < b ? made : -made);
         }
-        gmsh::model::geo::addPlaneSurface({gmsh::model::geo::addCurveLoop(loop)}, i + 1);
+        gmsh::model::geo::addPlaneSurface({gmsh::model::geo::addCurveLoop(loop)}, static_cast<int>(i) + 1);
     }
     gmsh::model::geo::synchronize();
     gmsh::model::mesh::generate(2);
@@ -38,15 +45,15 @@ int main() {
     for (std::size_t i = 0; i < tags.size(); ++i) number[tags[i]] = static_cast<std::uint32_t>(i);
     wsp::plc domain;
     domain.add_points(xyz);
-    for (int surface = 1; surface <= 6; ++surface) {
+    for (std::size_t surface = 0; surface < sides.size(); ++surface) {
         std::vector<std::uint32_t> polygon;
-        for (int point : quads[surface - 1]) {
+        for (int point : sides[surface]) {
             std::vector<std::size_t> node;
             std::vector<double> place, none;
             gmsh::model::mesh::getNodes(node, place, none, 0, point);
             polygon.push_back(number[node[0]]);
         }
-        domain.add_facet(polygon, surface);
+        domain.add_facet(polygon, static_cast<std::int32_t>(surface) + 1);
     }
     wsp::triangulation mesh(domain);
     const wsp::report done = mesh.refine(2.0);

@@ -1,7 +1,7 @@
 //! Polygons that don't lie in a plane are cut into triangles, which do. Files of surfaces have such polygons: their coordinates are rounded, or they
 //! were never flat.
 
-use super::planar::{facet_normal, off_plane};
+use super::planar::{extent, facet_normal, off_plane};
 use super::plc::{Plc, PlcFacet};
 use crate::DVec3;
 
@@ -13,8 +13,9 @@ impl Plc {
     pub fn cut_warped(&mut self) -> Vec<u32> {
         let mut origins = Vec::with_capacity(self.facets.len());
         let mut facets = Vec::with_capacity(self.facets.len());
+        let extent = extent(&self.points);
         for (i, facet) in std::mem::take(&mut self.facets).into_iter().enumerate() {
-            let parts = fan(&self.points, &facet).unwrap_or_default();
+            let parts = fan(&self.points, &facet, extent).unwrap_or_default();
             origins.extend((0..parts.len().max(1)).map(|_| i as u32));
             if parts.is_empty() {
                 facets.push(facet);
@@ -29,13 +30,13 @@ impl Plc {
 }
 
 /// The triangles for a facet that has to be cut and can be.
-fn fan(points: &[DVec3], facet: &PlcFacet) -> Option<Vec<[u32; 3]>> {
+fn fan(points: &[DVec3], facet: &PlcFacet, extent: f64) -> Option<Vec<[u32; 3]>> {
     let [polygon] = &facet.polygons[..] else { return None };
     let known = polygon.iter().all(|&v| points.get(v as usize).is_some_and(|p| p.is_finite()));
     if !known || polygon.len() < 4 || !facet.holes.is_empty() {
         return None;
     }
-    off_plane(points, polygon, facet_normal(points, polygon)?)?;
+    off_plane(points, polygon, facet_normal(points, polygon)?, extent)?;
     let at = |v: u32| points[v as usize];
     let n = polygon.len();
     let normal = |[a, b, c]: [u32; 3]| (at(b) - at(a)).cross(at(c) - at(a));
@@ -71,10 +72,10 @@ mod tests {
 
     #[test]
     fn what_is_not_becomes_a_fan() {
-        let (polygons, origins) = cut(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 1e-6], [0.0, 1.0, 0.0]]);
+        let (polygons, origins) = cut(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 1e-3], [0.0, 1.0, 0.0]]);
         assert_eq!((polygons, origins), (vec![vec![0, 1, 2], vec![0, 1, 2], vec![0, 2, 3]], vec![0, 1, 1]));
         // Corner 1 is a notch: only from it and from the one across do all triangles turn the right way.
-        let (polygons, _) = cut(&[[0.0, 0.0, 0.0], [0.5, 0.4, 0.0], [1.0, 0.0, 1e-6], [0.5, 1.0, 0.0]]);
+        let (polygons, _) = cut(&[[0.0, 0.0, 0.0], [0.5, 0.4, 0.0], [1.0, 0.0, 1e-3], [0.5, 1.0, 0.0]]);
         assert_eq!(polygons[1..], [vec![1, 2, 3], vec![1, 3, 0]]);
     }
 }

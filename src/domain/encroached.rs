@@ -4,7 +4,7 @@
 //! facet; a point in its diametral ball is nearer to the midpoint, so it cuts the facet, so it conflicts with a
 //! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::FxHashMap;
 
 use super::boundary::{edge_key, face_key, Boundary};
 use super::pending::Demand;
@@ -94,7 +94,8 @@ impl Boundary {
     /// small input angles have left an element encroached). `found` is filled, in order of ids.
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
-        let mut seen = FxHashSet::default();
+        // Whether it stays: one of the faces around the cavity has it.
+        let mut segments: FxHashMap<[u32; 2], bool> = FxHashMap::default();
         let regions = &t.topology.region;
         let by_labels = self.shows_in_labels(t);
         for &tet in &cavity.tets {
@@ -110,18 +111,8 @@ impl Boundary {
                     continue;
                 }
                 let key = edge_key([v[i], v[j]]);
-                // Each is looked at once.
-                if !self.subsegments.contains_key(&key) || !seen.insert(key) {
-                    continue;
-                }
-                let goes = || t.topology.around_edge(tet, i, j).all(|(around, _, _)| cavity.contains(around));
-                if encroaches_segment(key.map(|v| t.at(v)), p) {
-                    found.segments.push(key);
-                    if goes() {
-                        found.going_segments.push(key);
-                    }
-                } else if goes() {
-                    found.lost_segments.push(key);
+                if self.subsegments.contains_key(&key) {
+                    segments.insert(key, false);
                 }
             }
             if self.may_have_wall(v) {
@@ -146,6 +137,26 @@ impl Boundary {
                         found.lost_facets.push(key);
                     }
                 }
+            }
+        }
+        if !segments.is_empty() {
+            for &face in &cavity.faces {
+                let [a, b, c] = cavity.face(&t.topology, face);
+                for side in [[a, b], [b, c], [c, a]] {
+                    if let Some(stays) = segments.get_mut(&edge_key(side)) {
+                        *stays = true;
+                    }
+                }
+            }
+        }
+        for (&key, &stays) in &segments {
+            if encroaches_segment(key.map(|v| t.at(v)), p) {
+                found.segments.push(key);
+                if !stays {
+                    found.going_segments.push(key);
+                }
+            } else if !stays {
+                found.lost_segments.push(key);
             }
         }
         // Not in the order of storage.

@@ -182,6 +182,34 @@ impl FacetTriangulation {
         None
     }
 
+    /// The fixed edge that hides the point `p` from a triangle's middle, if one does; the straight way is looked along. `None` also where that
+    /// meets a vertex.
+    pub fn hidden_by(
+        &self,
+        start: [u32; 3],
+        p: DVec3,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+    ) -> Option<[u32; 2]> {
+        let at = |v: u32| points[v as usize];
+        let mut triangle = self.triangle(start)?;
+        let middle = triangle.map(at).into_iter().sum::<DVec3>() / 3.0;
+        let side = |v: u32| orient2d(self.axis, middle, p, at(v));
+        for _ in 0..self.apex.len() + 1 {
+            let crossed = |&([a, b], _): &([u32; 2], u32)| {
+                side(a) == Sign::Negative
+                    && side(b) == Sign::Positive
+                    && orient2d(self.axis, at(a), at(b), p) == Sign::Negative
+            };
+            let ([a, b], _) = sides(triangle).into_iter().find(crossed)?;
+            if fixed([a, b]) {
+                return Some([a, b]);
+            }
+            triangle = [b, a, *self.apex.get(&[b, a])?];
+        }
+        None
+    }
+
     fn in_circle(&self, filter: &Filter, [a, b, c]: [u32; 3], p: DVec3, points: &[DVec3]) -> bool {
         let at = |v: u32| points[v as usize];
         in_conflict(filter, [at(a), at(b), at(c), self.above], p)

@@ -3,8 +3,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::boundary::edge_key;
-use super::planar::{facet_normal, PLANARITY};
+use super::boundary::{edge_key, face_key};
+use super::facet::{dominant_axis, FacetTriangulation};
+use super::planar::{extent, facet_normal, off_plane, planarity, triangles_of_facet, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::DVec3;
 
@@ -14,7 +15,7 @@ impl Plc {
     /// that is a listed segment is given up. Returns the position of each old facet among the new ones.
     ///
     /// The points stay, and the surface too, up to that planarity. Points that are left within a facet become vertices of its
-    /// own. Cost: linear in the number of sides.
+    /// own. Cost: n log n in the number of sides.
     pub fn join_coplanar(&mut self, degrees: f64) -> Vec<u32> {
         let count = self.facets.len();
         let normals: Vec<Option<DVec3>> = self.facets.iter().map(|facet| self.single_normal(facet)).collect();
@@ -28,16 +29,21 @@ impl Plc {
             at_side.remove(&edge_key(segment.ends));
         }
         let cosine = degrees.clamp(0.0, 90.0).to_radians().cos();
-        let mut group = vec![u32::MAX; count];
-        let mut facets = Vec::new();
-        for seed in 0..count {
-            if group[seed] != u32::MAX {
+        let extent = extent(&self.points);
+        let area = |i: usize| normals[i].map_or(0.0, |_| self.size_of(i));
+        // Large ones first: their normals are the most exact.
+        let mut seeds: Vec<(f64, usize)> = (0..count).map(|i| (area(i), i)).collect();
+        seeds.sort_by(|(a, i), (b, j)| b.total_cmp(a).then(i.cmp(j)));
+        let mut groups: Vec<Vec<u32>> = Vec::new();
+        let mut taken = vec![false; count];
+        for (_, seed) in seeds {
+            if taken[seed] {
                 continue;
             }
+            taken[seed] = true;
             let mut members = vec![seed as u32];
-            group[seed] = facets.len() as u32;
             if let Some(normal) = normals[seed] {
-                let mut plane = Flat::new(self, &self.facets[seed], normal);
+                let mut plane = Flat::new(self, &self.facets[seed], normal, extent);
                 let mut next = 0;
                 while next < members.len() {
                     for side in sides(&self.facets[members[next] as usize]) {
@@ -46,37 +52,129 @@ impl Plc {
                         let Some(theirs) = normals[other] else { continue };
                         let alike = theirs.dot(normal).abs() >= cosine - 1e-12
                             && self.facets[other].marker == self.facets[seed].marker;
-                        if group[other] == u32::MAX && alike && plane.admit(self, &self.facets[other]) {
-                            group[other] = facets.len() as u32;
+                        if !taken[other] && alike && plane.admit(self, &self.facets[other]) {
+                            taken[other] = true;
                             members.push(other as u32);
                         }
                     }
                     next += 1;
                 }
             }
+            groups.push(members);
+        }
+        groups.sort_unstable_by_key(|members| members.iter().min().copied());
+        let mut facets: Vec<PlcFacet> = Vec::new();
+        let mut members_of: Vec<Vec<u32>> = Vec::new();
+        for members in groups {
             let union = self.union(&members, &at_side);
             if members.len() == 1 || self.covers(&union, &members) {
                 facets.push(union);
+                members_of.push(members);
                 continue;
             }
             // The outline does not say where the facet is (rings that touch, folds): its parts stay apart.
-            for &member in &members {
-                group[member as usize] = facets.len() as u32;
-                facets.push(self.facets[member as usize].clone());
-            }
+            self.keep_apart(&members, &mut facets, &mut members_of);
+        }
+        self.part_overlapping(&mut facets, &mut members_of);
+        let mut group = vec![u32::MAX; count];
+        for (i, members) in members_of.iter().enumerate() {
+            members.iter().for_each(|&member| group[member as usize] = i as u32);
         }
         self.facets = facets;
         group
     }
 
-    /// Whether a union fills the area that its members fill.
-    fn covers(&self, union: &PlcFacet, members: &[u32]) -> bool {
-        let area = |facet: &PlcFacet| super::planar::area(&self.points, facet);
-        let parts: Option<f64> = members.iter().map(|&member| area(&self.facets[member as usize])).sum();
-        match (area(union), parts) {
-            (Some(whole), Some(parts)) => (whole - parts).abs() <= 1e-9 * parts,
-            _ => false,
+    /// Puts facets of before behind the list, each by itself.
+    fn keep_apart(&self, members: &[u32], facets: &mut Vec<PlcFacet>, members_of: &mut Vec<Vec<u32>>) {
+        for &member in members {
+            facets.push(self.facets[member as usize].clone());
+            members_of.push(vec![member]);
         }
+    }
+
+    /// Takes joined facets apart that would have a triangle in common with another one. Two sides of something very thin are so.
+    fn part_overlapping(&self, facets: &mut Vec<PlcFacet>, members_of: &mut Vec<Vec<u32>>) {
+        let extent = extent(&self.points);
+        while members_of.iter().any(|members| members.len() > 1) {
+            // As in the boundary, sides of other facets between two points of a facet are kept.
+            let mut all: Vec<[u32; 2]> = facets.iter().flat_map(|facet| sides(facet)).collect();
+            all.extend(self.segments.iter().map(|segment| edge_key(segment.ends)));
+            all.sort_unstable();
+            all.dedup();
+            let mut first_with: FxHashMap<[u32; 3], u32> = FxHashMap::default();
+            let mut overlaps = vec![false; facets.len()];
+            for (i, facet) in facets.iter().enumerate() {
+                for triangle in self.final_triangles(facet, &all, extent) {
+                    let first = *first_with.entry(face_key(triangle)).or_insert(i as u32) as usize;
+                    if first != i {
+                        (overlaps[i], overlaps[first]) = (true, true);
+                    }
+                }
+            }
+            if !overlaps.iter().zip(&*members_of).any(|(&overlaps, members)| overlaps && members.len() > 1) {
+                return;
+            }
+            let (old, old_members) = (std::mem::take(facets), std::mem::take(members_of));
+            for ((facet, members), overlaps) in old.into_iter().zip(old_members).zip(overlaps) {
+                if overlaps {
+                    self.keep_apart(&members, facets, members_of);
+                } else {
+                    facets.push(facet);
+                    members_of.push(members);
+                }
+            }
+        }
+    }
+
+    /// The triangles that a facet begins with as a domain's boundary.
+    fn final_triangles(&self, facet: &PlcFacet, all: &[[u32; 2]], extent: f64) -> Vec<[u32; 3]> {
+        if let ([polygon], []) = (&facet.polygons[..], &facet.holes[..]) {
+            if let &[a, b, c] = &polygon[..] {
+                return vec![[a, b, c]];
+            }
+        }
+        let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        // What is defective has none.
+        let usable = |p: &DVec3| crate::geometry::check_range(0, *p).is_ok();
+        let known = vertices.iter().all(|&v| self.points.get(v as usize).is_some_and(usable));
+        let known = known && facet.holes.iter().all(|hole| hole.is_finite());
+        let normal = known.then(|| facet_normal(&self.points, &vertices)).flatten();
+        let flat = |normal: &DVec3| off_plane(&self.points, &vertices, *normal, extent).is_none();
+        let Some(normal) = normal.filter(flat) else { return Vec::new() };
+        let of = |&v: &u32| all[all.partition_point(|side| side[0] < v)..].iter().take_while(move |side| side[0] == v);
+        let fixed: Vec<[u32; 2]> =
+            vertices.iter().flat_map(of).copied().filter(|side| vertices.binary_search(&side[1]).is_ok()).collect();
+        let axis = dominant_axis(normal);
+        let Ok(triangles) = triangles_within(&self.points, &vertices, &fixed, axis, &facet.holes) else {
+            return Vec::new();
+        };
+        let mut planar = FacetTriangulation::new(&triangles, normal, 0, &self.points);
+        planar.make_delaunay(&self.points, |edge| fixed.binary_search(&edge_key(edge)).is_ok());
+        planar.triangles()
+    }
+
+    /// A measure of a facet's size: the area of its first corners' triangle, or more.
+    fn size_of(&self, facet: usize) -> f64 {
+        let polygon = &self.facets[facet].polygons[0];
+        let at = |v: u32| self.points[v as usize];
+        let corners = polygon[1..].windows(2).map(|w| (at(w[0]) - at(polygon[0])).cross(at(w[1]) - at(polygon[0])));
+        corners.sum::<DVec3>().length()
+    }
+
+    /// Whether a union fills the area that its members fill, all seen along one axis.
+    fn covers(&self, union: &PlcFacet, members: &[u32]) -> bool {
+        let Some((axis, whole)) = triangles_of_facet(&self.points, union) else { return false };
+        let area = |triangles: &[[u32; 3]]| -> f64 {
+            let corners = triangles.iter().map(|t| t.map(|v| self.points[v as usize]));
+            corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a)[axis].abs()).sum()
+        };
+        let part = |&member: &u32| triangles_of_facet(&self.points, &self.facets[member as usize]);
+        let Some(parts) = members.iter().map(|m| part(m).map(|(_, t)| area(&t))).sum::<Option<f64>>() else {
+            return false;
+        };
+        (area(&whole) - parts).abs() <= 1e-9 * parts
     }
 
     fn single_normal(&self, facet: &PlcFacet) -> Option<DVec3> {
@@ -181,17 +279,18 @@ struct Flat {
     low: f64,
     high: f64,
     size: f64,
+    extent: f64,
 }
 
 impl Flat {
-    fn new(plc: &Plc, facet: &PlcFacet, normal: DVec3) -> Flat {
+    fn new(plc: &Plc, facet: &PlcFacet, normal: DVec3, extent: f64) -> Flat {
         let origin = plc.points[facet.polygons[0][0] as usize];
-        let mut flat = Flat { origin, normal, low: 0.0, high: 0.0, size: 0.0 };
+        let mut flat = Flat { origin, normal, low: 0.0, high: 0.0, size: 0.0, extent };
         flat.admit(plc, facet);
         flat
     }
 
-    /// Takes a facet's points in if the slab stays thin enough: half of what a facet is allowed, because its own plane may lie otherwise.
+    /// Takes a facet's points in if the slab stays thin enough: a quarter of what a facet is allowed, because its own plane may lie otherwise.
     fn admit(&mut self, plc: &Plc, facet: &PlcFacet) -> bool {
         let (mut low, mut high, mut size) = (self.low, self.high, self.size);
         for &v in &facet.polygons[0] {
@@ -200,7 +299,7 @@ impl Flat {
             (low, high, size) = (low.min(height), high.max(height), size.max(offset.length()));
         }
         // The smallest size so far: a large facet must not make room for the bend of a small one.
-        let limit = 0.25 * PLANARITY * if self.size > 0.0 { self.size } else { size };
+        let limit = 0.25 * planarity(if self.size > 0.0 { self.size } else { size }, self.extent);
         let fits = self.size == 0.0 || high - low <= limit;
         if fits {
             (self.low, self.high, self.size) = (low, high, size);

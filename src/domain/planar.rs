@@ -7,8 +7,26 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use crate::geometry::predicates::collinear;
 
-/// How far a facet's points may lie off its plane, relative to its size. Points of a slanted plane have no exact coordinates.
+/// How far a facet's points may lie off its plane in any case, relative to its size. Points of a slanted plane have no exact coordinates.
 pub const PLANARITY: f64 = 1e-9;
+
+/// Coordinates in files often have five or six digits. Facets may be as uneven as that makes them: so much relative to the extent of all points.
+const ROUNDED: f64 = 1e-5;
+
+/// But no facet may be more uneven than this relative to its own size.
+const UNEVEN: f64 = 1e-4;
+
+/// How far the points of a facet of this size may lie off its plane, among points of this extent.
+pub fn planarity(size: f64, extent: f64) -> f64 {
+    (PLANARITY * size).max((ROUNDED * extent).min(UNEVEN * size))
+}
+
+/// The diagonal of the bounding box of those of some points that are finite.
+pub fn extent(points: &[DVec3]) -> f64 {
+    let finite = || points.iter().copied().filter(|p| p.is_finite());
+    let (low, high) = (finite().reduce(DVec3::min), finite().reduce(DVec3::max));
+    low.zip(high).map_or(0.0, |(low, high)| low.distance(high))
+}
 
 /// Why a facet can't be triangulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,12 +52,18 @@ pub fn facet_normal(points: &[DVec3], vertices: &[u32]) -> Option<DVec3> {
     (far - origin).cross(third - origin).try_normalize()
 }
 
-/// The vertex that lies too far off the plane, and how far.
-pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3) -> Option<(u32, f64)> {
+/// The size of a facet with these corners: how far the farthest is from the first.
+pub fn size_from(points: &[DVec3], vertices: &[u32]) -> f64 {
     let origin = points[vertices[0] as usize];
-    let size = vertices.iter().map(|&v| points[v as usize].distance(origin)).fold(0.0, f64::max);
+    vertices.iter().map(|&v| points[v as usize].distance(origin)).fold(0.0, f64::max)
+}
+
+/// The vertex that lies too far off the plane, and how far. All points have this [`extent`].
+pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3, extent: f64) -> Option<(u32, f64)> {
+    let origin = points[vertices[0] as usize];
+    let size = size_from(points, vertices);
     let off = vertices.iter().map(|&v| (v, (points[v as usize] - origin).dot(normal).abs()));
-    off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > PLANARITY * size)
+    off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > planarity(size, extent))
 }
 
 /// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed.
@@ -101,8 +125,8 @@ pub fn triangles_within(
         .collect())
 }
 
-/// The area of a facet's triangles; none when it can't be triangulated.
-pub fn area(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<f64> {
+/// The dominant axis of a facet's normal, and its triangles; none when it can't be triangulated.
+pub fn triangles_of_facet(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<(usize, Vec<[u32; 3]>)> {
     let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
@@ -115,9 +139,7 @@ pub fn area(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<f64> {
     sides.sort_unstable();
     sides.dedup();
     let axis = super::facet::dominant_axis(facet_normal(points, &vertices)?);
-    let triangles = triangles_within(points, &vertices, &sides, axis, &facet.holes).ok()?;
-    let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
-    Some(corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum())
+    Some((axis, triangles_within(points, &vertices, &sides, axis, &facet.holes).ok()?))
 }
 
 /// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.

@@ -15,6 +15,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::boundary::{edge_key, Boundary, ACUTE, ON_SEGMENT};
+use super::planar::PLANARITY;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
@@ -39,9 +40,23 @@ impl Boundary {
     pub(crate) fn facet_split(&self, t: &Triangulation, face: [u32; 3]) -> FacetSplit {
         let protected = if self.recovering { self.shell_split(t, face) } else { None };
         protected.unwrap_or_else(|| {
-            let [a, b, c] = face.map(|v| t.at(v));
+            let [a, b, c] = self.in_plane(t, face);
             FacetSplit::At(triangle_circumcenter(a, b, c), face)
         })
+    }
+
+    /// A subfacet's corners; where its facet is uneven put into the facet's plane at the first of them: there the planes of slender triangles stand at any
+    /// angle.
+    pub(crate) fn in_plane(&self, t: &Triangulation, face: [u32; 3]) -> [DVec3; 3] {
+        let corners = face.map(|v| t.at(v));
+        let Some(facet) = self.facet_of(face) else { return corners };
+        let normal = self.facets[facet].normal();
+        let heights = corners.map(|p| (p - corners[0]).dot(normal));
+        let size = corners[1].distance(corners[0]).max(corners[2].distance(corners[0]));
+        if heights.iter().all(|height| height.abs() <= PLANARITY * size) {
+            return corners;
+        }
+        [0, 1, 2].map(|i| corners[i] - normal * heights[i])
     }
 
     /// The split on a sphere about an acute input vertex, once the splits around it have come near to it.

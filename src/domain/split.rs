@@ -86,6 +86,12 @@ impl Boundary {
         }
     }
 
+    /// The subsegment behind which a point of its facet lies, seen from a subfacet.
+    pub(crate) fn hides(&self, t: &Triangulation, face: [u32; 3], p: DVec3) -> Option<[u32; 2]> {
+        let fixed = |edge: [u32; 2]| self.subsegments.contains_key(&edge_key(edge));
+        self.facets[self.facet_of(face)?].hidden_by(face, p, t.points(), fixed).map(edge_key)
+    }
+
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
     /// when it can't be inserted. `cavity` is that of `p`.
     pub(crate) fn plan_on_facet(

@@ -284,3 +284,110 @@ fn coplanar_facets_are_joined_and_nothing_else_changes() {
     ring.join_coplanar(0.01);
     assert_eq!((ring.facets.len(), ring.facets[0].polygons.len(), ring.facets[0].holes.len()), (1, 2, 1));
 }
+
+/// Nodes of a surface mesh on a slanted side lie off its plane by rounding. Taken for points beside it, they asked for splits down to the last bits of the
+/// coordinates, and refinement ran away outside.
+#[test]
+fn nodes_on_a_slanted_facet_belong_to_it() {
+    let mut plc = prism(&[[0.0, 0.0], [4.0, 0.0], [4.0, 1.5], [2.0, 1.5], [1.5, 3.5], [0.0, 3.5]], 3.0);
+    let first = add(
+        &mut plc,
+        &[
+            [1.8249999999998692, 2.2000000000005215, 2.2187499999980176],
+            [1.6649999999998757, 2.8400000000004963, 2.2124999999981929],
+            [1.7483333333332365, 2.5066666666670541, 1.4624999999972401],
+            [1.8345999999998917, 2.1616000000004325, 0.73787499999792894],
+            // On the slanted edge above.
+            [1.749999999999674, 2.5000000000013038, 3.0],
+            [1.8300000000000003, 2.18, 0.0],
+        ],
+    );
+    let (mesh, report) = meshed(&plc, 2.0, 28.5);
+    assert_eq!(report.bad, 0);
+    assert!(report.vertices < 100, "{} vertices", report.vertices);
+    let boundary = mesh.boundary().unwrap();
+    let slanted = boundary.facets().iter().find(|facet| facet.marker == 6).unwrap();
+    assert!((first..first + 4).all(|v| slanted.corners.contains(&v)));
+    assert!([4, 5].iter().all(|i| boundary.subsegments().iter().any(|(edge, _)| edge.contains(&(first + i)))));
+    // A point that is truly beside the facet stays so.
+    let beside = add(&mut plc, &[[1.7, 2.2, 1.0]]);
+    let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+    assert_eq!(mesh.boundary().unwrap().carrier(beside), crate::domain::Carrier::Free);
+}
+
+/// Turned about two axes, with six digits behind the point.
+fn turned(p: DVec3) -> DVec3 {
+    let (sin, cos) = 0.3_f64.sin_cos();
+    let (x, y) = (p.x * cos - p.y * sin, p.x * sin + p.y * cos);
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let rounded = |c: f64| (c * 1e6).round() / 1e6;
+    DVec3::new(rounded(x), rounded(y * cos - p.z * sin), rounded(y * sin + p.z * cos))
+}
+
+/// Its mesh, which keeps the bound everywhere, and its volume.
+fn refined_without_rest(plc: &Plc) -> (Mesh, f64) {
+    assert!(plc.check().errors().next().is_none());
+    let mut mesh = Mesh::from_plc(plc, &Control::new()).unwrap();
+    mesh.validate(3).unwrap();
+    let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+    mesh.validate(3).unwrap();
+    assert_eq!(report.bad, 0, "{report:?}");
+    let view = mesh.view();
+    let six = |t: &[u32; 4]| {
+        let [a, b, c, d] = t.map(|v| view.points[v as usize]);
+        (b - a).cross(c - a).dot(d - a)
+    };
+    let volume = view.tetrahedra.iter().map(six).sum::<f64>() / 6.0;
+    (mesh, volume)
+}
+
+/// With coordinates of six digits the triangles of a flat side differ by more than rounding of numbers does. They are one facet all the same: with each diagonal
+/// a segment of its own, needles between them would ask for far more tetrahedra.
+#[test]
+fn triangles_with_rounded_coordinates_are_joined() {
+    const N: u32 = 4;
+    let mut plc = Plc::default();
+    let mut ids = std::collections::BTreeMap::new();
+    for (axis, side, i, j) in (0..3)
+        .flat_map(|axis| [0, N].into_iter().flat_map(move |side| (0..N * N).map(move |k| (axis, side, k % N, k / N))))
+    {
+        let corner = |&[u, v]: &[u32; 2]| {
+            let mut place = [side; 3];
+            (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (i + u, j + v);
+            let next = ids.len() as u32;
+            let [x, y, z] = place.map(|c| f64::from(c) / f64::from(N));
+            let id = *ids.entry(place).or_insert(next);
+            if id == next {
+                plc.points.push(turned(DVec3::new(x, y, z)));
+            }
+            id
+        };
+        let [a, b, c, d] = [[0, 0], [1, 0], [1, 1], [0, 1]].iter().map(corner).collect::<Vec<_>>()[..] else {
+            unreachable!()
+        };
+        plc.facets.extend([facet([a, b, c], 0), facet([a, c, d], 0)]);
+    }
+    assert_eq!((plc.points.len(), plc.facets.len()), (98, 192));
+    plc.join_coplanar(0.01);
+    assert_eq!(plc.facets.len(), 6);
+    let (mesh, volume) = refined_without_rest(&plc);
+    assert!((volume - 1.0).abs() < 1e-5, "{volume}");
+    assert_eq!(mesh.boundary().unwrap().facets().len(), 6);
+}
+
+/// The sides of a cylinder, long strips: where one is cut, all others leave the triangulation, and are cut too.
+#[test]
+fn strips_around_a_cylinder_are_cut_together() {
+    let corner = |k: u32, z: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 80.0).sin_cos();
+        turned(DVec3::new(cos, sin, z))
+    };
+    let mut plc = Plc::default();
+    plc.points.extend((0..80).map(|k| corner(k, 0.0)));
+    plc.points.extend((0..80).map(|k| corner(k, 2.0)));
+    plc.facets.extend([facet(0..80, 0), facet(80..160, 0)]);
+    plc.facets.extend((0..80).map(|k| facet([k, (k + 1) % 80, 80 + (k + 1) % 80, 80 + k], 0)));
+    let (_, volume) = refined_without_rest(&plc);
+    let expected = 80.0 * (std::f64::consts::TAU / 80.0).sin();
+    assert!((volume / expected - 1.0).abs() < 1e-5, "{volume}, not {expected}");
+}

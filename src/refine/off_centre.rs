@@ -25,7 +25,7 @@ impl Refiner<'_> {
     pub(super) fn facet_off_centre(&mut self, face: [u32; 3], center: DVec3, demand: Demand) -> Option<DVec3> {
         let (sample, clearance) = self.given_way.take()?;
         let start = self.t.face_tetrahedron(face)?;
-        let [a, b, c] = face.map(|v| self.t.at(v));
+        let [a, b, c] = self.boundary.in_plane(self.t, face);
         // Made of the sides, so that on a plane of constant x, y or z it lies exactly.
         let (u, v, w) = (b - a, c - a, sample - a);
         let normal = u.cross(v);

@@ -20,8 +20,9 @@ use crate::triangulation::remove::Replacement;
 use crate::triangulation::topology::tet_of;
 use crate::{Control, Error, RefineStatus};
 
-/// So many splits may follow from one. Most need none, few more than ten.
-const FOLLOWING: usize = 48;
+/// So many splits may follow from one. Most need none, few more than ten; but where long strips stand around a cylinder, the first one that is cut
+/// takes all others out.
+const FOLLOWING: usize = 1000;
 
 /// A split, to take it back.
 #[derive(Debug)]

@@ -87,6 +87,11 @@ impl Refiner<'_> {
             FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand).unwrap_or(flush_tiny(p)), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
         };
+        // A point beyond a subsegment can't be inserted before that has been split. Its cavity may be huge: better not to look for it.
+        let hidden = if self.boundary.recovering { None } else { self.boundary.hides(self.t, start_triangle, p) };
+        if hidden.is_some_and(|edge| !self.boundary.waits_segment(edge, demand)) {
+            return Ok(self.block_facet(face, NEVER));
+        }
         let corners = face.map(|v| self.t.at(v));
         let found = self.t.face_tetrahedron(face);
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::boundary::edge_key;
 use crate::domain::facet::dominant_axis;
-use crate::domain::planar::{facet_normal, off_plane, triangles_within, PlanarDefect};
+use crate::domain::planar::{extent, facet_normal, off_plane, triangles_within, PlanarDefect};
 use crate::domain::plc::Plc;
 use crate::geometry::check_range;
 use crate::leavings::InPieces;
@@ -77,9 +77,10 @@ impl Arrangement {
             turns.check()?;
             new.add_segment(i, segment.ends, defects);
         }
+        let extent = extent(&plc.points);
         for i in 0..plc.facets.len() {
             control.check()?;
-            new.add_facet(plc, i, defects);
+            new.add_facet((plc, extent), i, defects);
         }
         check_seeds(plc, defects);
         Ok(new)
@@ -145,7 +146,7 @@ impl Arrangement {
         }
     }
 
-    fn add_facet(&mut self, plc: &Plc, index: usize, defects: &mut Vec<PlcDefect>) {
+    fn add_facet(&mut self, (plc, extent): (&Plc, f64), index: usize, defects: &mut Vec<PlcDefect>) {
         let element = DomainElement::Facet(index);
         let facet = &plc.facets[index];
         if facet.polygons.is_empty() || facet.polygons.iter().any(Vec::is_empty) {
@@ -185,7 +186,7 @@ impl Arrangement {
             defects.push(PlcDefect::new(PlcDefectKind::NoArea, [element], place(vertices[0])));
             return;
         };
-        if let Some((v, off)) = off_plane(&self.points, &vertices, normal) {
+        if let Some((v, off)) = off_plane(&self.points, &vertices, normal, extent) {
             defects.push(PlcDefect::new(PlcDefectKind::NotPlanar, [element], place(v)).measured(off));
             return;
         }

@@ -3,13 +3,18 @@
 //!
 //! Two facets in different planes that meet where they should not have a side of one in the other, so that sides against triangles are
 //! enough; only facets in one plane are compared with each other.
+//!
+//! Points that nothing else names, such as the nodes of a surface mesh, belong to a side or facet within the tolerance that a facet's own corners have:
+//! on a slanted plane they can't lie exactly. Taken for points beside it, they would ask for edges as short as the last bits of coordinates.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{RTree, AABB};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arrangement::Arrangement;
 use super::defect::{PlcDefect, PlcDefectKind};
+use crate::domain::facet::dominant_axis;
+use crate::domain::planar::{extent, facet_normal, size_from, PLANARITY};
 use crate::domain::plc::Plc;
 use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
@@ -38,8 +43,10 @@ pub(super) fn find(
     let sides = tree(a.sides.iter().map(|side| side.ends.map(|v| a.points[v as usize])));
     control.check()?;
     let triangles = tree(a.triangles.iter().map(|(triangle, _)| triangle.map(|v| a.points[v as usize])));
-    points_on_sides(a, &sides, defects, control)?;
-    points_in_facets(a, &triangles, defects, control)?;
+    let (alone, reach) = (alone(a), PLANARITY * extent(&a.points));
+    let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
+    points_on_sides(a, &sides, &reach_of, defects, control)?;
+    points_in_facets(a, &triangles, &reach_of, defects, control)?;
     sides_across_sides(a, &sides, defects, control)?;
     sides_through_facets(a, &sides, &triangles, defects, control)?;
     facets_in_one_plane(plc, a, &triangles, defects, control)
@@ -51,9 +58,25 @@ fn usable_points(a: &Arrangement) -> impl Iterator<Item = u32> + '_ {
     (0..a.points.len() as u32).filter(usable)
 }
 
-fn at_point(tree: &RTree<Boxed>, p: DVec3) -> Vec<u32> {
-    let mut found: Vec<u32> =
-        tree.locate_in_envelope_intersecting(AABB::from_point(p.to_array())).map(|boxed| boxed.data).collect();
+/// Of each point whether it stands alone: no side or facet names it.
+fn alone(a: &Arrangement) -> Vec<bool> {
+    let mut alone = vec![true; a.points.len()];
+    let named = a.sides.iter().flat_map(|side| side.ends).chain(a.corners.iter().flatten().copied());
+    named.for_each(|v| alone[v as usize] = false);
+    alone
+}
+
+/// Whether `p` lies on the line `qr` between its ends, as nearly as a corner has to lie in its facet.
+fn is_near_side([q, r]: [DVec3; 2], p: DVec3) -> bool {
+    let (along, length2) = (r - q, q.distance_squared(r));
+    let share = (p - q).dot(along) / length2;
+    0.0 < share && share < 1.0 && (p - q - share * along).length_squared() <= PLANARITY * PLANARITY * length2
+}
+
+/// The elements whose boxes are within `reach` of a point.
+fn at_point(tree: &RTree<Boxed>, p: DVec3, reach: f64) -> Vec<u32> {
+    let envelope = AABB::from_corners((p - reach).to_array(), (p + reach).to_array());
+    let mut found: Vec<u32> = tree.locate_in_envelope_intersecting(envelope).map(|boxed| boxed.data).collect();
     found.sort_unstable();
     found
 }
@@ -61,18 +84,20 @@ fn at_point(tree: &RTree<Boxed>, p: DVec3) -> Vec<u32> {
 fn points_on_sides(
     a: &mut Arrangement,
     tree: &RTree<Boxed>,
+    reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let mut found = Vec::new();
     for v in usable_points(a) {
         control.check()?;
-        let p = a.points[v as usize];
-        for side in at_point(tree, p) {
+        let (p, reach) = (a.points[v as usize], reach_of(v));
+        for side in at_point(tree, p, reach) {
             let ends = a.sides[side as usize].ends;
             let [q, r] = ends.map(|v| a.points[v as usize]);
             // Within the bounding box and on the line is between the ends.
-            if !ends.contains(&v) && collinear(q, r, p) {
+            let on_line = || if reach > 0.0 { is_near_side([q, r], p) } else { collinear(q, r, p) };
+            if !ends.contains(&v) && on_line() {
                 let elements = [DomainElement::Point(v as usize), a.sides[side as usize].element()];
                 defects.push(PlcDefect::new(PlcDefectKind::PointOnSegment, elements, p));
                 found.push((side, v));
@@ -98,27 +123,62 @@ pub(crate) fn projection([p, q, r]: [DVec3; 3]) -> Option<(usize, Sign)> {
 
 /// Whether a point of its plane lies in a triangle, its border included.
 fn in_triangle(triangle: [DVec3; 3], p: DVec3) -> bool {
-    let Some((axis, sign)) = projection(triangle) else { return false };
+    projection(triangle).is_some_and(|projection| in_projection(projection, triangle, p))
+}
+
+/// The same without a coordinate, in which the triangle has this orientation.
+fn in_projection((axis, sign): (usize, Sign), triangle: [DVec3; 3], p: DVec3) -> bool {
     (0..3).all(|i| orient2d(axis, triangle[i], triangle[(i + 1) % 3], p) != -sign)
+}
+
+/// The plane of a facet, as its corners define it.
+struct Plane {
+    origin: DVec3,
+    normal: DVec3,
+    /// How far off a point of the facet may lie.
+    tolerance: f64,
+}
+
+impl Plane {
+    fn new(points: &[DVec3], corners: &[u32]) -> Option<Plane> {
+        let normal = facet_normal(points, corners)?;
+        Some(Plane { origin: points[corners[0] as usize], normal, tolerance: PLANARITY * size_from(points, corners) })
+    }
+
+    /// Whether a point lies in one of the facet's triangles, as nearly as a corner has to lie in its facet.
+    fn has_near(&self, triangle: [DVec3; 3], p: DVec3) -> bool {
+        let axis = dominant_axis(self.normal);
+        let sign = orient2d(axis, triangle[0], triangle[1], triangle[2]);
+        let off = (p - self.origin).dot(self.normal).abs();
+        off <= self.tolerance && sign != Sign::Zero && in_projection((axis, sign), triangle, p)
+    }
 }
 
 fn points_in_facets(
     a: &mut Arrangement,
     tree: &RTree<Boxed>,
+    reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let mut found = Vec::new();
+    let mut planes: FxHashMap<u32, Option<Plane>> = FxHashMap::default();
     for v in usable_points(a) {
         control.check()?;
-        let p = a.points[v as usize];
-        for i in at_point(tree, p) {
+        let (p, reach) = (a.points[v as usize], reach_of(v));
+        for i in at_point(tree, p, reach) {
             let (triangle, facet) = a.triangles[i as usize];
-            if a.corners[facet as usize].binary_search(&v).is_ok() {
+            let corners = &a.corners[facet as usize];
+            if corners.binary_search(&v).is_ok() {
                 continue;
             }
-            let corners = triangle.map(|v| a.points[v as usize]);
-            if orient3d(corners[0], corners[1], corners[2], p) == Sign::Zero && in_triangle(corners, p) {
+            let [x, y, z] = triangle.map(|v| a.points[v as usize]);
+            let exactly = orient3d(x, y, z, p) == Sign::Zero && in_triangle([x, y, z], p);
+            let mut nearly = || {
+                let plane = planes.entry(facet).or_insert_with(|| Plane::new(&a.points, corners));
+                reach > 0.0 && plane.as_ref().is_some_and(|plane| plane.has_near([x, y, z], p))
+            };
+            if exactly || nearly() {
                 found.push((facet, v));
             }
         }

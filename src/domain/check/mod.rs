@@ -7,7 +7,8 @@
 //! | `meet` | which of them meet where they should not: exact predicates on pairs from an R-tree |
 //! | `edges` | open and branching edges, and the smallest angles |
 //!
-//! Whether two elements meet is decided exactly. Only planarity has a tolerance, because points on a slanted plane have no exact coordinates.
+//! Whether two elements meet is decided exactly. Only planarity has a tolerance, because points on a slanted plane have no exact coordinates; points that
+//! nothing else names have the same.
 
 pub(crate) mod arrangement;
 pub mod defect;
