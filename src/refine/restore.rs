@@ -20,7 +20,7 @@ use crate::domain::Boundary;
 use crate::geometry::predicates::orient3d;
 use crate::geometry::{flush_tiny, Sign};
 use crate::triangulation::remove::Replacement;
-use crate::triangulation::topology::{tet_of, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::{Control, Error, RefineStatus};
 
 /// So many splits may follow from one. Most need none, few more than ten.
@@ -190,7 +190,7 @@ impl Refiner<'_> {
         labels
     }
 
-    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet.
+    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
     fn leaks(&self, tets: &[u32]) -> bool {
         let region = &self.t.topology.region;
         if region.is_empty() {
@@ -202,7 +202,18 @@ impl Refiner<'_> {
             let differs = |slot: &usize| label(tet) != label(tet_of(tetrahedron.n[*slot]));
             (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(tetrahedron.face(slot)))
         };
+        // The first ones that a split replaces are those that its point was meant for, wherever rounding has put it: they may stay in space, beside the vertex
+        // and all that it touches. All others are known to go, or to touch it.
+        const MEANT: usize = 2;
+        let replaced = self.records.iter().flat_map(|record| &record.changes);
+        let mut meant = replaced.flat_map(|(_, change)| change.removed.iter().take(MEANT));
         tets.iter().any(leaks)
+            || meant.any(|&face| {
+                let parts = |f: u32| {
+                    region[tet_of(f) as usize] != region[tet_of(self.t.topology.tet(tet_of(f)).n[slot_of(f)]) as usize]
+                };
+                !self.boundary.is_subfacet(face) && self.t.topology.find_face(face).is_some_and(parts)
+            })
     }
 
     /// Whether all new subfacets of a transaction that has inserted one vertex, with this star, have different labels on their sides; where no other face

@@ -511,3 +511,48 @@ fn a_subfacet_that_two_facets_have_is_seen_without_labels() {
         mesh.validate(3).unwrap();
     }
 }
+
+#[test]
+fn a_split_beside_a_subfacet_that_stays_a_face_leaks_no_label() {
+    // The last split of the segment between two of these vertices comes to lie so far beside a facet that what was its subfacet stays a face, and is nowhere near
+    // the new vertex.
+    let tenths = [
+        [-7, -1, -5],
+        [2, -4, 2],
+        [1, 1, 1],
+        [-7, -7, -1],
+        [5, 2, -4],
+        [0, 0, 0],
+        [2, 2, 2],
+        [2, 2, -4],
+        [-7, -7, -7],
+        [-7, -4, -3],
+        [-7, -5, -4],
+        [-4, -7, 6],
+        [-4, -8, -5],
+        [-6, 3, -4],
+        [-4, -1, -1],
+        [-6, -6, -6],
+        [-8, -5, -6],
+        [3, -4, -5],
+        [0, 0, -7],
+        [1, -1, -4],
+        [5, 5, 5],
+        [5, -8, -8],
+        [1, 6, -4],
+        [4, -7, -7],
+        [-5, 5, -1],
+        [-7, 2, -4],
+        [1, -7, -7],
+        [-5, -2, 7],
+        [2, -4, -4],
+    ];
+    let points = tenths.map(|p| DVec3::from(p.map(|x: i32| f64::from(x) / 10.0)));
+    let mut mesh = Mesh::new();
+    mesh.insert(&points, None, &Control::new()).unwrap();
+    for max_vertices in [105, 210] {
+        let options = RefineOptions { radius_edge: 4.0, max_vertices, ..RefineOptions::default() };
+        mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+    }
+}
