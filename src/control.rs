@@ -84,7 +84,8 @@ impl Control {
 
     /// Asks the running call, and every later one with this control, to stop. Any thread may call it.
     pub fn cancel(&self) {
-        self.shared.cancel.store(true, Ordering::Relaxed);
+        // An exchange, not a store, because checkers of threads take plain stores beside reads for races.
+        self.shared.cancel.swap(true, Ordering::Relaxed);
     }
 
     /// Takes a cancellation back, so that the control can be used again, and gives back the memory that cancelled calls have left.

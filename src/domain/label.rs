@@ -76,6 +76,20 @@ impl Boundary {
         Ok(())
     }
 
+    /// Looks at tetrahedra that have changed: when one of the subfacets at them lies between equal labels, labels don't show subfacets any more. That is so where
+    /// facets have the same subfacet, because vertices of both are one by rounding.
+    pub(crate) fn note_labels(&mut self, t: &Triangulation, tets: &[u32]) {
+        let Some(label) = Some(&t.topology.region).filter(|region| !region.is_empty()) else { return };
+        let hidden = |&tet: &u32| {
+            let tetrahedron = t.topology.tet(tet);
+            (0..4).any(|slot| {
+                label[tet as usize] == label[tet_of(tetrahedron.n[slot]) as usize]
+                    && self.is_subfacet(tetrahedron.face(slot))
+            })
+        };
+        self.parts_labels = self.parts_labels && !tets.iter().any(hidden);
+    }
+
     /// The first face that parts two labels and is no subfacet, unless the control says stop.
     pub(crate) fn first_leak(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
         let label = |tet: u32| t.topology.region.get(tet as usize);

@@ -7,17 +7,20 @@
 //! perturbation of the kernel the triangulation of a set of points is unique, so that removing the vertices again leads back to
 //! what was there before.
 
+use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::refiner::{watch, Refiner};
 use super::split::{Split, NEVER};
-use crate::domain::boundary::Standing;
+use crate::domain::boundary::{face_key, Standing};
 use crate::domain::facet::FacetChange;
 use crate::domain::label::OUTSIDE;
 use crate::domain::pending::Demand;
 use crate::domain::Boundary;
+use crate::geometry::predicates::orient3d;
+use crate::geometry::{flush_tiny, Sign};
 use crate::triangulation::remove::Replacement;
-use crate::triangulation::topology::tet_of;
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::{Control, Error, RefineStatus};
 
 /// So many splits may follow from one. Most need none, few more than ten; but where long strips stand around a cylinder, the first one that is cut
@@ -32,7 +35,7 @@ pub struct Record {
     inserted: bool,
     before: Standing,
     changes: Vec<(u32, FacetChange)>,
-    /// The tetrahedra that went for the vertex, and their labels.
+    /// The tetrahedra that went for the vertex, or those at it if it was there, and their labels.
     labels: Labels,
 }
 
@@ -138,12 +141,15 @@ impl Refiner<'_> {
             let vertices = self.records.iter().map(|record| record.vertex);
             let stars: Vec<u32> = vertices.flat_map(|v| self.t.topology.star(v)).collect();
             let mut sound = !follows && !self.leaks(&stars);
+            let plain = sound;
             if !sound {
-                self.relabel(stars.clone())?;
                 // Where rounding has put a vertex beside its facet, what is beyond may have come to the other side.
-                sound = !self.leaks(&stars);
+                sound = self.relabel(stars.clone())? && !self.leaks(&stars);
             }
             if sound {
+                if !(plain && self.new_subfacets_part(&stars)) {
+                    self.boundary.note_labels(self.t, &stars);
+                }
                 return Ok(split);
             }
         }
@@ -171,17 +177,21 @@ impl Refiner<'_> {
 
     /// The labels of what the cavity takes out.
     pub(super) fn labels_of_cavity(&self) -> Labels {
+        self.labels_of(&self.cavity.tets)
+    }
+
+    pub(super) fn labels_of(&self, tets: &[u32]) -> Labels {
         let topology = &self.t.topology;
         if self.boundary.recovering || topology.region.is_empty() {
             return Labels::new();
         }
         let of = |&tet: &u32| (in_order(topology.tet(tet).v), topology.region[tet as usize]);
-        let mut labels: Labels = self.cavity.tets.iter().map(of).collect();
+        let mut labels: Labels = tets.iter().map(of).collect();
         labels.sort_unstable();
         labels
     }
 
-    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet.
+    /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
     fn leaks(&self, tets: &[u32]) -> bool {
         let region = &self.t.topology.region;
         if region.is_empty() {
@@ -193,7 +203,39 @@ impl Refiner<'_> {
             let differs = |slot: &usize| label(tet) != label(tet_of(tetrahedron.n[*slot]));
             (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(tetrahedron.face(slot)))
         };
+        // The first ones that a split replaces are those that its point was meant for, wherever rounding has put it: they may stay in space, beside the vertex
+        // and all that it touches. All others are known to go, or to touch it.
+        const MEANT: usize = 2;
+        let replaced = self.records.iter().flat_map(|record| &record.changes);
+        let mut meant = replaced.flat_map(|(_, change)| change.removed.iter().take(MEANT));
         tets.iter().any(leaks)
+            || meant.any(|&face| {
+                let parts = |f: u32| {
+                    region[tet_of(f) as usize] != region[tet_of(self.t.topology.tet(tet_of(f)).n[slot_of(f)]) as usize]
+                };
+                !self.boundary.is_subfacet(face) && self.t.topology.find_face(face).is_some_and(parts)
+            })
+    }
+
+    /// Whether all new subfacets of a transaction that has inserted one vertex, with this star, have different labels on their sides; where no other face
+    /// has.
+    fn new_subfacets_part(&self, star: &[u32]) -> bool {
+        let [record] = &self.records[..] else { return self.records.is_empty() };
+        let region = &self.t.topology.region;
+        if region.is_empty() || !record.inserted {
+            return false;
+        }
+        let mut created: Vec<_> =
+            record.changes.iter().flat_map(|(_, change)| &change.created).copied().map(face_key).collect();
+        created.sort_unstable();
+        created.dedup();
+        let parting = |&tet: &u32| {
+            let tetrahedron = self.t.topology.tet(tet);
+            let parts = |slot: usize| region[tet as usize] != region[tet_of(tetrahedron.n[slot]) as usize];
+            (0..4).filter(|&slot| tetrahedron.v[slot] != record.vertex && parts(slot)).count()
+        };
+        // Each is seen from both sides.
+        star.iter().map(parting).sum::<usize>() == 2 * created.len()
     }
 
     /// Takes all splits of the transaction back.
@@ -204,6 +246,9 @@ impl Refiner<'_> {
         while let Some(record) = self.records.pop() {
             self.boundary.take_back(record.vertex, &record.before, record.changes);
             if !record.inserted {
+                let star = self.t.topology.star(record.vertex);
+                self.restore_labels(&star, &record.labels);
+                changed.extend(star);
                 continue;
             }
             let boundary = &*self.boundary;
@@ -217,26 +262,33 @@ impl Refiner<'_> {
                 self.segment_splits -= 1;
             }
             // What comes back is what the vertex took out: the triangulation of the others is unique.
-            for &tet in &self.hole.created {
-                let v = in_order(self.t.topology.tet(tet).v);
-                if let Ok(place) = record.labels.binary_search_by_key(&v, |known| known.0) {
-                    self.t.topology.region[tet as usize] = record.labels[place].1;
-                }
-            }
-            changed.extend_from_slice(&self.hole.created);
+            let created = std::mem::take(&mut self.hole.created);
+            self.restore_labels(&created, &record.labels);
+            changed.extend_from_slice(&created);
+            self.hole.created = created;
         }
         let t = &*self.t;
         let live = changed.into_iter().filter(|&tet| t.topology.tet(tet).is_live());
         watch(t, &mut self.queue, self.radius_edge, live)
     }
 
+    fn restore_labels(&mut self, tets: &[u32], labels: &Labels) {
+        for &tet in tets {
+            let v = in_order(self.t.topology.tet(tet).v);
+            if let Ok(place) = labels.binary_search_by_key(&v, |known| known.0) {
+                self.t.topology.region[tet as usize] = labels[place].1;
+            }
+        }
+    }
+
     /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
-    /// side. All others have the right ones.
-    fn relabel(&mut self, mut order: Vec<u32>) -> Result<(), Error> {
+    /// side. All others have the right ones. False, with nothing changed, when there is a label that can't be found.
+    fn relabel(&mut self, mut order: Vec<u32>) -> Result<bool, Error> {
         let mut changed: FxHashSet<u32> = FxHashSet::default();
         order.retain(|&tet| changed.insert(tet));
         if self.t.topology.region.is_empty() {
-            return watch(self.t, &mut self.queue, self.radius_edge, order.into_iter());
+            watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())?;
+            return Ok(true);
         }
         let mut labels: FxHashMap<u32, u16> = FxHashMap::default();
         for &seed in &order {
@@ -267,8 +319,8 @@ impl Refiner<'_> {
                     }
                 }
             }
-            // None at all, and no ghost: subfacets enclose it, and what it was must do.
-            let label = label.unwrap_or(self.t.topology.region[seed as usize]);
+            // None at all, and no ghost: subfacets enclose it, and all of it has changed.
+            let Some(label) = label.or_else(|| self.label_before(&part)) else { return Ok(false) };
             for tet in part {
                 labels.insert(tet, label);
             }
@@ -276,6 +328,33 @@ impl Refiner<'_> {
         for tet in &order {
             self.t.topology.region[*tet as usize] = labels[tet];
         }
-        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())
+        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())?;
+        Ok(true)
+    }
+
+    /// The label that there was, before the transaction, where the largest of these tetrahedra is now.
+    fn label_before(&self, part: &[u32]) -> Option<u16> {
+        let size = |tet: u32| {
+            let [a, b, c, d] = self.t.corners(tet);
+            (b - a).cross(c - a).dot(d - a)
+        };
+        let vertices = |tet: u32| in_order(self.t.topology.tet(tet).v);
+        let largest = |&s: &u32, &r: &u32| size(s).total_cmp(&size(r)).then_with(|| vertices(s).cmp(&vertices(r)));
+        let tet = part.iter().copied().max_by(largest)?;
+        let center = flush_tiny(self.t.corners(tet).into_iter().map(|corner| 0.25 * corner).sum());
+        let holds = |v: &[u32; 4]| {
+            let corners = v.map(|v| self.t.at(v));
+            let side = |[a, b, c, d]: [DVec3; 4]| orient3d(a, b, c, d);
+            let inside = side(corners);
+            (0..4).all(|i| {
+                let mut corners = corners;
+                corners[i] = center;
+                [inside, Sign::Zero].contains(&side(corners))
+            })
+        };
+        let made_since = |v: &u32| self.records.iter().any(|record| record.inserted && record.vertex == *v);
+        let known = self.records.iter().flat_map(|record| &record.labels);
+        let mut before = known.filter(|(v, _)| v[3] != GHOST && !v.iter().any(made_since));
+        before.find(|(v, _)| holds(v)).map(|&(_, label)| label)
     }
 }

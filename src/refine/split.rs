@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::refiner::Refiner;
-use super::restore::Labels;
 use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
@@ -45,11 +44,12 @@ impl Refiner<'_> {
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
                 self.boundary.apply(&changes, p);
                 let star = self.t.topology.star(existing);
+                let labels = self.labels_of(&star);
                 let before = self.boundary.standing(existing, Some(edge), &changes);
                 let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, existing, &changes, &star, demand.following());
                 self.sort_pending(pending);
-                self.record((existing, false), before, changes, Labels::new());
+                self.record((existing, false), before, changes, labels);
                 Ok(Split::Done(existing))
             }
             (false, Ok(())) => {

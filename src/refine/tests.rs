@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Control, DVec3, Mesh, Plc};
+use crate::{Control, DVec3, Mesh, Plc, PlcFacet};
 
 /// A value-stable source of numbers in [0, 1).
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -454,5 +454,105 @@ fn a_grading_of_a_million_ends_with_nothing_bad() {
             assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
             check(&mesh, radius_edge, 27.0);
         }
+    }
+}
+
+#[test]
+fn a_domain_of_which_splits_take_all_out_keeps_its_labels() {
+    // Inside there is but one tetrahedron. The first split leads to others, and by then nothing is left that has the label of the inside.
+    let points = [
+        [4.999999999999999, 5.0, -4.0],
+        [-4.0, -4.0, 7.0],
+        [2.0, 0.0, 7.0],
+        [7.0, 2.9999999999999996, -2.0],
+        [-1.0, 7.0, 7.0],
+        [7.0, 7.0, -1.3333333333333333],
+        [-7.0, -8.0, -8.0],
+        [-8.0, -8.0, -8.0],
+    ];
+    for left_out in 4..=points.len() {
+        let points = points.iter().enumerate().filter(|&(i, _)| i != left_out).map(|(_, &p)| DVec3::from(p));
+        let facet = |corners: [u32; 3]| PlcFacet { polygons: vec![corners.into()], ..PlcFacet::default() };
+        let facets = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].map(facet).into();
+        let plc = Plc { points: points.collect(), facets, ..Plc::default() };
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let before = volume(&mesh);
+        for max_vertices in [10, 11, 12, 1000] {
+            let options = RefineOptions { max_vertices, ..RefineOptions::default() };
+            mesh.refine(&options, &Control::new()).unwrap();
+            mesh.validate(3).unwrap();
+            assert!((volume(&mesh) / before - 1.0).abs() < 1e-9, "{} of {before}", volume(&mesh));
+        }
+    }
+}
+
+#[test]
+fn a_subfacet_that_two_facets_have_is_seen_without_labels() {
+    // The last point is so far away that facets that meet there come to have the same triangles, with the outside on either side.
+    let points = [
+        [-8.0, 4.0, -8.0],
+        [-5.0, -5.0, -5.0],
+        [-2.0, -2.0, -2.0],
+        [-1.0, -2.0, -8.0],
+        [-2.0, -8.0, -8.0],
+        [-8.0, -8.0, -8.0],
+        [-2.0, -5.0, -7.0],
+        [-7.0, -8.0, -8.0],
+        [4.0, -7.0, 4.0],
+        [-3.0, 7.0, 7.0],
+        [3.6441835727946984e30, 3.5295369653413445e30, 3.5295369653427856e30],
+    ];
+    let mut mesh = Mesh::new();
+    mesh.insert(&points.map(DVec3::from), None, &Control::new()).unwrap();
+    for _ in 0..3 {
+        let options = RefineOptions { radius_edge: 4.0, max_vertices: 105, ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!(report.status, RefineStatus::Unrefined);
+        mesh.validate(3).unwrap();
+    }
+}
+
+#[test]
+fn a_split_beside_a_subfacet_that_stays_a_face_leaks_no_label() {
+    // The last split of the segment between two of these vertices comes to lie so far beside a facet that what was its subfacet stays a face, and is nowhere near
+    // the new vertex.
+    let tenths = [
+        [-7, -1, -5],
+        [2, -4, 2],
+        [1, 1, 1],
+        [-7, -7, -1],
+        [5, 2, -4],
+        [0, 0, 0],
+        [2, 2, 2],
+        [2, 2, -4],
+        [-7, -7, -7],
+        [-7, -4, -3],
+        [-7, -5, -4],
+        [-4, -7, 6],
+        [-4, -8, -5],
+        [-6, 3, -4],
+        [-4, -1, -1],
+        [-6, -6, -6],
+        [-8, -5, -6],
+        [3, -4, -5],
+        [0, 0, -7],
+        [1, -1, -4],
+        [5, 5, 5],
+        [5, -8, -8],
+        [1, 6, -4],
+        [4, -7, -7],
+        [-5, 5, -1],
+        [-7, 2, -4],
+        [1, -7, -7],
+        [-5, -2, 7],
+        [2, -4, -4],
+    ];
+    let points = tenths.map(|p| DVec3::from(p.map(|x: i32| f64::from(x) / 10.0)));
+    let mut mesh = Mesh::new();
+    mesh.insert(&points, None, &Control::new()).unwrap();
+    for max_vertices in [105, 210] {
+        let options = RefineOptions { radius_edge: 4.0, max_vertices, ..RefineOptions::default() };
+        mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
     }
 }

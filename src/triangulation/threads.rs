@@ -1,30 +1,41 @@
 //! Work shared out among threads: each takes the next part when it is done with one. Who does what is up to chance, so
 //! the parts must not depend on each other.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// Does `work` on every part, on so many threads at most, this one among them. Threads that the system does not give are done without.
 pub(super) fn share_out<I>(threads: usize, parts: I, work: impl Fn(I::Item) + Sync)
 where
-    I: Iterator + Send,
+    I: Iterator,
+    I::Item: Send,
 {
-    let queue = Mutex::new(parts);
-    // No part is worked on while the queue is locked.
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    // Each part has a lock of its own that nobody else waits for: who has its number takes it.
+    let parts: Vec<_> = parts.map(|part| Mutex::new(Some(part))).collect();
+    let taken = AtomicUsize::new(0);
     let run = || {
-        while let Some(part) = next() {
-            work(part);
+        while let Some(part) = parts.get(taken.fetch_add(1, Ordering::Relaxed)) {
+            let part = part.lock().unwrap_or_else(PoisonError::into_inner).take();
+            part.into_iter().for_each(&work);
         }
     };
     thread::scope(|scope| {
-        for _ in 1..threads {
+        let mut helpers = Vec::new();
+        for _ in 1..threads.min(parts.len()) {
             // A thread begins with the floating-point mode of the one that starts it.
-            if thread::Builder::new().spawn_scoped(scope, run).is_err() {
-                break;
+            match thread::Builder::new().spawn_scoped(scope, run) {
+                Ok(helper) => helpers.push(helper),
+                Err(_) => break,
             }
         }
         run();
+        // The scope would wait for them, too, but by means that checkers of threads don't see.
+        for helper in helpers {
+            if let Err(panic) = helper.join() {
+                std::panic::resume_unwind(panic);
+            }
+        }
     });
 }
 

@@ -12,7 +12,8 @@ use crate::failure::Failure;
 pub fn parse_obj(path: &Path, content: &[u8]) -> Result<Surface, Failure> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = content;
+    let content = points_and_faces(path, content)?;
+    let mut reader = content.as_bytes();
     let loaded = tobj::load_obj_buf(&mut reader, &options, no_materials);
     let (models, _) = loaded.map_err(|error| Failure::in_file(path, error))?;
     let mut surface = Surface::default();
@@ -31,6 +32,36 @@ pub fn parse_obj(path: &Path, content: &[u8]) -> Result<Surface, Failure> {
     Ok(surface)
 }
 
+/// The lines without what is passed over, some of it unread by `tobj`: an index of a normal or a texture beyond all of them would overflow there.
+fn points_and_faces(path: &Path, content: &[u8]) -> Result<String, Failure> {
+    /// Larger than any index of a vertex, and far from overflow.
+    const LARGEST: i64 = 1 << 32;
+    let content = String::from_utf8_lossy(content);
+    let mut kept = String::with_capacity(content.len());
+    for (number, line) in content.lines().enumerate() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            // Lines stay where they are.
+            Some("vn" | "vt" | "l" | "p") => {}
+            Some("f") => {
+                kept.push('f');
+                for corner in words {
+                    let vertex = corner.split('/').next().unwrap_or_default();
+                    if vertex.parse::<i64>().map_or(true, |v| !(-LARGEST..=LARGEST).contains(&v)) {
+                        let element = format_args!("facet with corner \"{corner}\"");
+                        return Err(Failure::in_line(path, number + 1, element, "that is no point"));
+                    }
+                    kept.push(' ');
+                    kept.push_str(vertex);
+                }
+            }
+            _ => kept.push_str(line),
+        }
+        kept.push('\n');
+    }
+    Ok(kept)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,5 +76,17 @@ mod tests {
         assert_eq!((surface.polygons[0].len(), &surface.markers[..]), (4, &[1, 2][..]));
         let failure = parse_obj(Path::new("in.obj"), b"v 0 0\n").unwrap_err();
         assert!(failure.message().starts_with("in.obj: "), "{failure:?}");
+    }
+
+    #[test]
+    fn normals_and_textures_are_not_looked_at() {
+        // The last index times three is more than 64 bits hold.
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nvn nothing\nvt 0 0\nvn 0 0 1\nf 1/-9999999999/1 2//-6148914691236517206 3/1\n";
+        let surface = parse_obj(Path::new("in.obj"), text.as_bytes()).unwrap();
+        assert_eq!((surface.points.len(), &surface.polygons[..]), (3, &[vec![0, 1, 2]][..]));
+        for corner in ["-6148914691236517206", "9223372036854775807", "x", "/1"] {
+            let failure = parse_obj(Path::new("in.obj"), text.replace("3/1", corner).as_bytes()).unwrap_err();
+            assert!(failure.message().starts_with("in.obj:7: "), "{failure:?}");
+        }
     }
 }
