@@ -97,7 +97,7 @@ impl Plc {
         let extent = extent(&self.points);
         while members_of.iter().any(|members| members.len() > 1) {
             // As in the boundary, sides of other facets between two points of a facet are kept.
-            let mut all: Vec<[u32; 2]> = facets.iter().flat_map(|facet| sides(facet)).collect();
+            let mut all: Vec<[u32; 2]> = facets.iter().flat_map(sides).collect();
             all.extend(self.segments.iter().map(|segment| edge_key(segment.ends)));
             all.sort_unstable();
             all.dedup();
