@@ -113,6 +113,21 @@ fn any_beta() -> impl Strategy<Value = f64> {
     prop::sample::select(vec![1.5, 2.0, 4.0, 8.0])
 }
 
+/// A vertex on a segment was moved off the wall by rounding, which left flat tetrahedra there.
+#[test]
+fn vertices_that_are_moved_stay_on_the_walls() {
+    let points = [
+        [-4.0, 3.2286231667466776, 10.271999625941632],
+        [12.0, 5.435010376549466, 4.0],
+        [1.1959175230194585, -4.0, -2.167027809241647],
+        [-4.0, 5.2099875152980655, 8.488216093303317],
+        [10.095303183213009, 9.510440430821948, -4.0],
+        [12.0, 3.290356992969828, 0.06204794480312348],
+        [10.926631780588558, 2.200193620197995, -4.0],
+    ];
+    refined(&points, 2.0, Rule::Circumcenter).unwrap();
+}
+
 proptest! {
     #![proptest_config(config(24))]
 

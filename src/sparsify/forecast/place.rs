@@ -50,7 +50,9 @@ impl Forecast {
                 }
             }
             if worst.0 == 0.0 {
-                *p = q + self.origin;
+                let there = q + self.origin;
+                // Off the element by rounding there would be flat tetrahedra at its facet, so across it nothing is added.
+                *p = if space.dimension == 3 { there } else { *p + space.along(there - *p) };
                 return true;
             }
             q -= space.along(1.02 * worst.1);
