@@ -485,6 +485,10 @@ typedef struct wsp_mesh_batch wsp_mesh_batch;
  *
  * Points are named by their position in it, from 0 in the order in which they were added. Facets are planar sets of
  * polygons. Adding only checks what can be checked at once; wsp_triangulation_from_plc judges the whole.
+ *
+ * Coordinates on a slanted plane are rounded, so a facet need not be exactly planar: its points may lie off its plane by 1e-5 of the diagonal of the bounding
+ * box of all points, but by no more than 1e-4 of the facet's size. Its points are kept where they are; new ones lie near its plane, so that
+ * refinement may change the volume by as little. Triangles are always planar.
  */
 typedef struct wsp_plc wsp_plc;
 
@@ -1222,7 +1226,7 @@ wsp_status wsp_check_angle(const struct wsp_check *check,
  * as all their points stay in one plane as facets must. Only facets of a single polygon without holes take part, and no
  * side that is a segment of the list is given up. Facets get new positions. `facets` is NULL or becomes how many there are.
  *
- * Cost: linear in the number of sides.
+ * Cost: n log n in the number of sides.
  * Errors: WSP_ERR_NULL, WSP_ERR_ARGUMENT (`degrees` is not from 0 to 90), WSP_ERR_BUSY.
  */
 wsp_status wsp_plc_join_coplanar(struct wsp_plc *plc,

@@ -320,7 +320,7 @@ pub unsafe extern "C" fn wsp_check_angle(
 /// as all their points stay in one plane as facets must. Only facets of a single polygon without holes take part, and no
 /// side that is a segment of the list is given up. Facets get new positions. `facets` is NULL or becomes how many there are.
 ///
-/// Cost: linear in the number of sides.
+/// Cost: n log n in the number of sides.
 /// Errors: WSP_ERR_NULL, WSP_ERR_ARGUMENT (`degrees` is not from 0 to 90), WSP_ERR_BUSY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_join_coplanar(plc: *mut wsp_plc, degrees: f64, facets: *mut usize) -> wsp_status {

@@ -11,6 +11,10 @@ use crate::{DVec3, Error, Plc, PlcFacet, PlcRegion, PlcSegment};
 ///
 /// Points are named by their position in it, from 0 in the order in which they were added. Facets are planar sets of
 /// polygons. Adding only checks what can be checked at once; wsp_triangulation_from_plc judges the whole.
+///
+/// Coordinates on a slanted plane are rounded, so a facet need not be exactly planar: its points may lie off its plane by 1e-5 of the diagonal of the bounding
+/// box of all points, but by no more than 1e-4 of the facet's size. Its points are kept where they are; new ones lie near its plane, so that
+/// refinement may change the volume by as little. Triangles are always planar.
 pub struct wsp_plc {
     pub(super) handle: Handle<Plc>,
 }

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation as _};
 
 use crate::geometry::predicates::collinear;
 
@@ -102,9 +102,14 @@ pub fn triangles_within(
     let mut outside = vec![false; planar.num_all_faces()];
     let mut queue = vec![planar.outer_face().fix()];
     for &hole in holes {
-        if let spade::PositionInTriangulation::OnFace(face) = planar.locate(project(hole)) {
+        match planar.locate(project(hole)) {
             // Any edge knows its face in the form that includes the outer one.
-            queue.push(planar.face(face).adjacent_edge().face().fix());
+            PositionInTriangulation::OnFace(face) => queue.push(planar.face(face).adjacent_edge().face().fix()),
+            // A diagonal of the hole, which is on neither of its triangles. On a side of the facet a seed means nothing.
+            PositionInTriangulation::OnEdge(edge) if !planar.directed_edge(edge).is_constraint_edge() => {
+                queue.push(planar.directed_edge(edge).face().fix());
+            }
+            _ => {}
         }
     }
     let neighbours: FxHashMap<_, Vec<_>> = planar.directed_edges().fold(FxHashMap::default(), |mut map, edge| {
@@ -200,4 +205,25 @@ fn triangles_of(points: &[DVec3], polygon: &[u32], axis: usize) -> Result<Vec<[u
     sides.sort_unstable();
     sides.dedup();
     triangles_within(points, &vertices, &sides, axis, &[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the seed in TetGen's example.poly is, on the diagonal of the hole.
+    #[test]
+    fn a_seed_between_two_triangles_empties_both() {
+        let square = |low: f64, high: f64| [[low, low], [high, low], [high, high], [low, high]];
+        let corners = square(0.0, 4.0).into_iter().chain(square(1.0, 3.0));
+        let points: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+        let vertices: Vec<u32> = (0..8).collect();
+        let sides: Vec<[u32; 2]> = (0..4).flat_map(|i| [[i, (i + 1) % 4], [4 + i, 4 + (i + 1) % 4]]).collect();
+        let count = |holes: &[DVec3]| triangles_within(&points, &vertices, &sides, 2, holes).unwrap().len();
+        assert_eq!(count(&[]), 10);
+        assert_eq!(count(&[DVec3::new(2.0, 2.0, 0.0)]), 8);
+        assert_eq!(count(&[DVec3::new(2.5, 1.75, 0.0)]), 8);
+        // On a side it says nothing.
+        assert_eq!(count(&[DVec3::new(1.0, 2.0, 0.0)]), 10);
+    }
 }

@@ -32,6 +32,10 @@ pub struct PlcSegment {
 }
 
 /// A planar facet: the region bounded by its polygons, less its holes.
+///
+/// Coordinates on a slanted plane are rounded, so it need not be exactly planar: its points may lie off its plane by 1e-5 of the diagonal of the
+/// bounding box of all points, but by no more than 1e-4 of the facet's size. They are kept where they are; new ones lie near the plane, so that refinement may
+/// change the volume by as little. Triangles are always planar.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlcFacet {
     /// Closed polygons of positions in [`Plc::points`]; a polygon of two points is a segment
