@@ -74,8 +74,19 @@ impl Boundary {
             if self.kind(v) == 0 {
                 continue;
             }
-            facets.extend_from_slice(self.facets_at(&carrier));
-            let neighbours: Vec<u32> = t.topology.star(v).iter().flat_map(|&t_| t.topology.tet(t_).v).collect();
+            let of_carrier = self.facets_at(&carrier);
+            facets.extend_from_slice(of_carrier);
+            let star = t.topology.star(v);
+            // Where rounding has brought two facets together, a vertex may be one of a facet that its carrier is not on.
+            let strange = |&tet: &u32| {
+                let tet = t.topology.tet(tet);
+                let at_v = (0..4).filter(|&slot| tet.v[slot] != v);
+                at_v.filter_map(|slot| self.wall(tet.face(slot))).any(|facet| !of_carrier.contains(&facet))
+            };
+            if star.iter().any(strange) {
+                return None;
+            }
+            let neighbours: Vec<u32> = star.iter().flat_map(|&t_| t.topology.tet(t_).v).collect();
             match carrier {
                 Carrier::Segment(segment) => self.join_at(v, segment, &neighbours, &mut plan)?,
                 Carrier::Facet(_) => {}

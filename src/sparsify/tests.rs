@@ -355,3 +355,43 @@ fn the_same_input_gives_the_same_bytes() {
     assert_eq!(a.view().tetrahedra, b.view().tetrahedra);
     assert_eq!(a.view().neighbours, b.view().neighbours);
 }
+
+/// One point is so far away that the hull's facets at it come together by rounding. A vertex that was taken away stayed in a facet that its carrier
+/// was not on, and a later refinement of the same mesh indexed it.
+#[test]
+fn a_vertex_of_a_facet_that_its_carrier_is_not_on_stays() {
+    let points = [
+        [-8.0, 4.0, -8.0],
+        [-5.0, -5.0, -5.0],
+        [-2.0, -2.0, -2.0],
+        [-2.0, -2.0, -2.0],
+        [-1.0, -2.0, -8.0],
+        [-2.0, -8.0, -8.0],
+        [-8.0, -8.0, -8.0],
+        [-2.0, -5.0, -7.0],
+        [-7.0, -8.0, -8.0],
+        [4.0, -7.0, 4.0],
+        [-3.0, 7.0, 7.0],
+        [1.5880449566457765e29, 3.5295369653413445e30, 3.5295369657102793e30],
+    ];
+    let mut mesh = crate::Mesh::new();
+    mesh.insert(&points.map(DVec3::from), None, &Control::new()).unwrap();
+    let steps = [
+        (1.2, Sparsify::Off),
+        (4.0, Sparsify::Off),
+        (4.0, Sparsify::Off),
+        (2.0, Sparsify::Thorough),
+        (2.0, Sparsify::Quick),
+        (4.0, Sparsify::Off),
+    ];
+    for (radius_edge, level) in steps {
+        let options = crate::RefineOptions {
+            radius_edge,
+            max_vertices: 200,
+            sparsify: Some(level),
+            ..crate::RefineOptions::default()
+        };
+        mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+    }
+}
