@@ -74,12 +74,10 @@ impl Boundary {
 
     /// The face of a tetrahedron opposite a slot, if it is a subfacet.
     pub(crate) fn subfacet_at(&self, t: &Triangulation, tet: u32, slot: usize) -> Option<[u32; 3]> {
-        let (tetrahedron, regions) = (t.topology.tet(tet), &t.topology.region);
-        let across = tet_of(tetrahedron.n[slot]);
-        if self.shows_in_labels(t) && regions[tet as usize] == regions[across as usize] {
+        if self.shows_in_labels(t) && !t.topology.labels_differ(tet, slot) {
             return None;
         }
-        let face = tetrahedron.face(slot);
+        let face = t.topology.tet(tet).face(slot);
         self.is_subfacet(face).then(|| face_key(face))
     }
 
@@ -96,7 +94,6 @@ impl Boundary {
         found.clear();
         // Whether it stays: one of the faces around the cavity has it.
         let mut segments: FxHashMap<[u32; 2], bool> = FxHashMap::default();
-        let regions = &t.topology.region;
         let by_labels = self.shows_in_labels(t);
         for &tet in &cavity.tets {
             let Tetrahedron { v, n } = *t.topology.tet(tet);
@@ -120,7 +117,7 @@ impl Boundary {
                     let across = tet_of(beyond);
                     let goes = cavity.contains(across);
                     // Each face is looked at once. A facet that parts two regions shows in their labels.
-                    if goes && across < tet || by_labels && regions[tet as usize] == regions[across as usize] {
+                    if goes && across < tet || by_labels && !t.topology.labels_differ(tet, slot) {
                         continue;
                     }
                     let face = t.topology.tet(tet).face(slot);

@@ -79,28 +79,24 @@ impl Boundary {
     /// Looks at tetrahedra that have changed: when one of the subfacets at them lies between equal labels, labels don't show subfacets any more. That is so where
     /// facets have the same subfacet, because vertices of both are one by rounding.
     pub(crate) fn note_labels(&mut self, t: &Triangulation, tets: &[u32]) {
-        let Some(label) = Some(&t.topology.region).filter(|region| !region.is_empty()) else { return };
+        if t.topology.region.is_empty() {
+            return;
+        }
         let hidden = |&tet: &u32| {
-            let tetrahedron = t.topology.tet(tet);
-            (0..4).any(|slot| {
-                label[tet as usize] == label[tet_of(tetrahedron.n[slot]) as usize]
-                    && self.is_subfacet(tetrahedron.face(slot))
-            })
+            let face = |slot: usize| t.topology.tet(tet).face(slot);
+            (0..4).any(|slot| !t.topology.labels_differ(tet, slot) && self.is_subfacet(face(slot)))
         };
         self.parts_labels = self.parts_labels && !tets.iter().any(hidden);
     }
 
     /// The first face that parts two labels and is no subfacet, unless the control says stop.
     pub(crate) fn first_leak(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
-        let label = |tet: u32| t.topology.region.get(tet as usize);
         let turns = control.turns();
         let leak = t.topology.live().find_map(|tet| {
-            let tetrahedron = t.topology.tet(tet);
-            let leaks = |&slot: &usize| {
-                !turns.go_on()
-                    || label(tet) != label(tet_of(tetrahedron.n[slot])) && !self.is_subfacet(tetrahedron.face(slot))
-            };
-            (0..4).find(leaks).map(|slot| Defect::LabelLeak { face: tetrahedron.face(slot) })
+            let face = |slot: usize| t.topology.tet(tet).face(slot);
+            let leaks =
+                |&slot: &usize| !turns.go_on() || t.topology.labels_differ(tet, slot) && !self.is_subfacet(face(slot));
+            (0..4).find(leaks).map(|slot| Defect::LabelLeak { face: face(slot) })
         });
         turns.end().map(|()| leak)
     }

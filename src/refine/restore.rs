@@ -193,15 +193,13 @@ impl Refiner<'_> {
 
     /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
     fn leaks(&self, tets: &[u32]) -> bool {
-        let region = &self.t.topology.region;
-        if region.is_empty() {
+        let topology = &self.t.topology;
+        if topology.region.is_empty() {
             return false;
         }
         let leaks = |&tet: &u32| {
-            let tetrahedron = self.t.topology.tet(tet);
-            let label = |tet: u32| region[tet as usize];
-            let differs = |slot: &usize| label(tet) != label(tet_of(tetrahedron.n[*slot]));
-            (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(tetrahedron.face(slot)))
+            let differs = |&slot: &usize| topology.labels_differ(tet, slot);
+            (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(topology.tet(tet).face(slot)))
         };
         // The first ones that a split replaces are those that its point was meant for, wherever rounding has put it: they may stay in space, beside the vertex
         // and all that it touches. All others are known to go, or to touch it.
@@ -210,10 +208,8 @@ impl Refiner<'_> {
         let mut meant = replaced.flat_map(|(_, change)| change.removed.iter().take(MEANT));
         tets.iter().any(leaks)
             || meant.any(|&face| {
-                let parts = |f: u32| {
-                    region[tet_of(f) as usize] != region[tet_of(self.t.topology.tet(tet_of(f)).n[slot_of(f)]) as usize]
-                };
-                !self.boundary.is_subfacet(face) && self.t.topology.find_face(face).is_some_and(parts)
+                let parts = |handle: u32| topology.labels_differ(tet_of(handle), slot_of(handle));
+                !self.boundary.is_subfacet(face) && topology.find_face(face).is_some_and(parts)
             })
     }
 
@@ -221,8 +217,8 @@ impl Refiner<'_> {
     /// has.
     fn new_subfacets_part(&self, star: &[u32]) -> bool {
         let [record] = &self.records[..] else { return self.records.is_empty() };
-        let region = &self.t.topology.region;
-        if region.is_empty() || !record.inserted {
+        let topology = &self.t.topology;
+        if topology.region.is_empty() || !record.inserted {
             return false;
         }
         let mut created: Vec<_> =
@@ -230,9 +226,8 @@ impl Refiner<'_> {
         created.sort_unstable();
         created.dedup();
         let parting = |&tet: &u32| {
-            let tetrahedron = self.t.topology.tet(tet);
-            let parts = |slot: usize| region[tet as usize] != region[tet_of(tetrahedron.n[slot]) as usize];
-            (0..4).filter(|&slot| tetrahedron.v[slot] != record.vertex && parts(slot)).count()
+            let v = topology.tet(tet).v;
+            (0..4).filter(|&slot| v[slot] != record.vertex && topology.labels_differ(tet, slot)).count()
         };
         // Each is seen from both sides.
         star.iter().map(parting).sum::<usize>() == 2 * created.len()

@@ -117,6 +117,13 @@ impl Topology {
         &self.tets[t as usize]
     }
 
+    /// Whether the labels on the two sides of a face differ, that opposite a slot. Not where there are none.
+    #[inline]
+    pub fn labels_differ(&self, t: u32, slot: usize) -> bool {
+        let label = |t: u32| self.region.get(t as usize);
+        label(t) != label(tet_of(self.tet(t).n[slot]))
+    }
+
     /// Asks for a tetrahedron before it is needed.
     #[inline]
     pub fn prefetch(&self, t: u32) {
