@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::extremes::Extremes;
-use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
+use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge, in_fours};
 use crate::leavings::{InPieces, Leavings};
 use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
@@ -509,19 +509,8 @@ impl Mesh {
         };
         let turns = control.turns();
         let mut extremes = Extremes::default();
-        let mut tets = self.inside();
-        loop {
+        for (four, count) in in_fours(self.inside()) {
             turns.check()?;
-            let (mut four, mut count) = ([0; 4], 0);
-            for (place, tet) in four.iter_mut().zip(&mut tets) {
-                *place = tet;
-                count += 1;
-            }
-            if count == 0 {
-                break;
-            }
-            let last = four[count - 1];
-            four[count..].fill(last);
             report.tetrahedra += count;
             let corners = four.map(|tet| self.t.corner_refs(tet));
             let keeps = extremes.radius_edge <= bound;

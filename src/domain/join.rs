@@ -75,7 +75,7 @@ impl Plc {
             // The outline does not say where the facet is (rings that touch, folds): its parts stay apart.
             self.keep_apart(&members, &mut facets, &mut members_of);
         }
-        self.part_overlapping(&mut facets, &mut members_of);
+        self.part_overlapping(&mut facets, &mut members_of, extent);
         let mut group = vec![u32::MAX; count];
         for (i, members) in members_of.iter().enumerate() {
             members.iter().for_each(|&member| group[member as usize] = i as u32);
@@ -93,8 +93,7 @@ impl Plc {
     }
 
     /// Takes joined facets apart that would have a triangle in common with another one. Two sides of something very thin are so.
-    fn part_overlapping(&self, facets: &mut Vec<PlcFacet>, members_of: &mut Vec<Vec<u32>>) {
-        let extent = extent(&self.points);
+    fn part_overlapping(&self, facets: &mut Vec<PlcFacet>, members_of: &mut Vec<Vec<u32>>, extent: f64) {
         while members_of.iter().any(|members| members.len() > 1) {
             // As in the boundary, sides of other facets between two points of a facet are kept.
             let mut all: Vec<[u32; 2]> = facets.iter().flat_map(sides).collect();

@@ -97,6 +97,21 @@ pub fn exceeds_radius_edge(tet: [DVec3; 4], bound: f64) -> bool {
     exceeds_exactly(tet, bound)
 }
 
+/// Things four at a time, as the predicates below take them: the last ones are filled up, and how many count is said.
+#[inline]
+pub(crate) fn in_fours(mut all: impl Iterator<Item = u32>) -> impl Iterator<Item = ([u32; 4], usize)> {
+    std::iter::from_fn(move || {
+        let (mut four, mut count) = ([0; 4], 0);
+        for (place, one) in four.iter_mut().zip(&mut all) {
+            *place = one;
+            count += 1;
+        }
+        let last = *four[..count].last()?;
+        four[count..].fill(last);
+        Some((four, count))
+    })
+}
+
 /// [`exceeds_radius_edge`] of four tetrahedra, a bit for each, and their shortest edges squared, which are those of
 /// [`DVec3::distance_squared`] on every machine.
 #[inline]
@@ -132,11 +147,7 @@ unsafe fn judge_four_avx2(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f6
 /// Bits of those that exceed the bound, bits of those that can't be told, and the shortest edges squared.
 #[inline(always)]
 fn judge<L: Lanes>(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) {
-    let [p, q, r, s] = tets;
-    let a = L::load([p[0], q[0], r[0], s[0]]);
-    let b = L::load([p[1], q[1], r[1], s[1]]);
-    let c = L::load([p[2], q[2], r[2], s[2]]);
-    let d = L::load([p[3], q[3], r[3], s[3]]);
+    let [a, b, c, d] = corners::<L>(tets);
     let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
     let (vw, wu, uv) = (cross(v, w), cross(w, u), cross(u, v));
     // Without fused operations, because the lengths are used for more than a decision.
@@ -146,8 +157,8 @@ fn judge<L: Lanes>(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) 
     let longest = uu.max(vv).max(ww);
     let part = |i: usize| uu.mul_add(vw[i], vv.mul_add(wu[i], ww.mul(uv[i])));
     let (x, y, z) = (part(0), part(1), part(2));
-    let left = x.mul_add(x, y.mul_add(y, z.mul(z)));
-    let volume6 = u[0].mul_add(vw[0], u[1].mul_add(vw[1], u[2].mul(vw[2])));
+    let left = dot([x, y, z], [x, y, z]);
+    let volume6 = dot(u, vw);
     let scale = L::splat(4.0 * bound * bound).mul(shortest);
     let right = scale.mul(volume6).mul(volume6);
     // As in `exceeds_radius_edge`, with |N| ≤ 3L⁴ and |D| ≤ L³, both a little more after rounding.
@@ -158,6 +169,22 @@ fn judge<L: Lanes>(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) 
     let keeps = L::splat(0.0).sub(error).greater(excess);
     let safe = longest.greater(L::splat(SAFE_SIZES.start)) & L::splat(SAFE_SIZES.end).greater(longest);
     (exceeds, !((exceeds | keeps) & safe) & 0b1111, shortest.to_array())
+}
+
+/// The first corners of four tetrahedra, the second ones, and so on.
+#[inline(always)]
+fn corners<L: Lanes>([p, q, r, s]: &[[&DVec3; 4]; 4]) -> [[L; 3]; 4] {
+    [
+        L::load([p[0], q[0], r[0], s[0]]),
+        L::load([p[1], q[1], r[1], s[1]]),
+        L::load([p[2], q[2], r[2], s[2]]),
+        L::load([p[3], q[3], r[3], s[3]]),
+    ]
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+    p[0].mul_add(q[0], p[1].mul_add(q[1], p[2].mul(q[2])))
 }
 
 #[inline(always)]
@@ -250,11 +277,7 @@ unsafe fn four_may_be_narrower_avx2(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> 
 
 #[inline(always)]
 fn narrower<L: Lanes>(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> u32 {
-    let [p, q, r, s] = tets;
-    let a = L::load([p[0], q[0], r[0], s[0]]);
-    let b = L::load([p[1], q[1], r[1], s[1]]);
-    let c = L::load([p[2], q[2], r[2], s[2]]);
-    let d = L::load([p[3], q[3], r[3], s[3]]);
+    let [a, b, c, d] = corners::<L>(tets);
     let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
     let (nb, nc, nd) = (cross(w, v), cross(u, w), cross(v, u));
     // That of the fourth face, turned round.
@@ -277,11 +300,6 @@ fn narrower<L: Lanes>(tets: &[[&DVec3; 4]; 4], cotangent: f64) -> u32 {
 #[inline(always)]
 fn wide<L: Lanes>(dot: L, limit: L, edge: [L; 3]) -> u32 {
     dot.greater(L::splat(0.0)) | limit.mul(squared(edge)).greater(dot.mul(dot))
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
-    p[0].mul_add(q[0], p[1].mul_add(q[1], p[2].mul(q[2])))
 }
 
 #[cfg(test)]

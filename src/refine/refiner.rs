@@ -18,7 +18,7 @@ use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
 use crate::domain::pending::Demand;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
-use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge};
+use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge, in_fours};
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
 use crate::sparsify::Sparsifier;
@@ -243,7 +243,7 @@ impl<'a> Refiner<'a> {
         queue.pop(t, |places, out| {
             let live = |&tet: &u32| t.topology.tet(tet).is_live() && t.is_inside(tet);
             let mut fine = Vec::new();
-            in_fours(places.iter().copied().filter(live), |four, count| {
+            for (four, count) in in_fours(places.iter().copied().filter(live)) {
                 let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), *radius_edge);
                 for i in 0..count {
                     if bad >> i & 1 != 0 {
@@ -252,7 +252,7 @@ impl<'a> Refiner<'a> {
                         fine.push(four[i]);
                     }
                 }
-            });
+            }
             if let Some(sizes) = sizes {
                 out.extend(sizes.too_large(t, &fine).into_iter().map(|tet| (tet, shortest_edge(t, tet).1)));
             }
@@ -466,32 +466,11 @@ pub(super) fn watch(
     radius_edge: f64,
     tets: impl Iterator<Item = u32>,
 ) -> Result<(), Error> {
-    let mut outcome = Ok(());
-    in_fours(tets.filter(|&tet| t.is_inside(tet)), |four, count| {
+    for (four, count) in in_fours(tets.filter(|&tet| t.is_inside(tet))) {
         let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), radius_edge);
         for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            if let Err(error) = queue.push(t, four[i], shortest[i]) {
-                outcome = Err(error);
-            }
+            queue.push(t, four[i], shortest[i])?;
         }
-    });
-    outcome
-}
-
-/// Four at a time; the last ones are filled up, and how many count is said.
-#[inline]
-fn in_fours(mut tets: impl Iterator<Item = u32>, mut look: impl FnMut([u32; 4], usize)) {
-    loop {
-        let (mut four, mut count) = ([0; 4], 0);
-        for (place, tet) in four.iter_mut().zip(&mut tets) {
-            *place = tet;
-            count += 1;
-        }
-        if count == 0 {
-            return;
-        }
-        let last = four[count - 1];
-        four[count..].fill(last);
-        look(four, count);
     }
+    Ok(())
 }
