@@ -57,6 +57,17 @@ struct Shared {
     cancel: AtomicBool,
     /// What cancelled calls had no time to give back.
     leavings: Mutex<Vec<Box<dyn Leavings>>>,
+    #[cfg(test)]
+    looks: Looks,
+}
+
+/// Looks at the control, counted for tests: what a call does between two of them is how late it hears of a cancellation, on any machine.
+#[cfg(test)]
+#[derive(Default)]
+struct Looks {
+    count: std::sync::atomic::AtomicUsize,
+    /// The one that cancels, from 1 on; 0 for none.
+    last: std::sync::atomic::AtomicUsize,
 }
 
 impl Control {
@@ -115,6 +126,18 @@ impl Control {
         self.left().len()
     }
 
+    /// How often `work` looks at the control. Look number `last` cancels it, counted from 1. The control is as new afterwards.
+    #[cfg(test)]
+    pub(crate) fn looks(&self, last: Option<usize>, work: impl FnOnce()) -> usize {
+        let Looks { count, last: stored } = &self.shared.looks;
+        count.store(0, Ordering::Relaxed);
+        stored.store(last.unwrap_or(0), Ordering::Relaxed);
+        work();
+        stored.store(0, Ordering::Relaxed);
+        self.reset();
+        count.load(Ordering::Relaxed)
+    }
+
     /// Whether [`cancel`](Self::cancel) was called.
     pub fn is_cancelled(&self) -> bool {
         self.shared.cancel.load(Ordering::Relaxed)
@@ -158,6 +181,13 @@ impl Control {
 
     /// The cheap question of a loop's every turn.
     pub(crate) fn poll(&self) -> bool {
+        #[cfg(test)]
+        {
+            let Looks { count, last } = &self.shared.looks;
+            if count.fetch_add(1, Ordering::Relaxed) + 1 == last.load(Ordering::Relaxed) {
+                self.cancel();
+            }
+        }
         !self.is_cancelled()
     }
 }

@@ -6,6 +6,10 @@ use crate::{Control, Error};
 
 /// Elements copied between two looks at the control.
 const BLOCK: usize = 1 << 16;
+/// Bytes copied between two looks at the control where elements are large: some tenths of a millisecond, a millisecond where the memory is new.
+pub(crate) const PIECE: usize = 1 << 20;
+/// Elements that one step of a refinement may add.
+pub(crate) const STEP: usize = 4096;
 
 fn none_for<E>(what: &'static str) -> impl FnOnce(E) -> Error {
     move |_| Error::OutOfMemory { what }
@@ -79,17 +83,51 @@ pub(crate) fn copied_with_room<T: Copy + Send + 'static>(
     control: &Control,
 ) -> Result<Vec<T>, Error> {
     let mut list = room_in_pieces(from.len() + more, what, control)?;
-    for block in from.chunks(BLOCK) {
+    for block in from.chunks(BLOCK.min(PIECE / size_of::<T>().max(1))) {
         control.check()?;
         list.extend_from_slice(block);
     }
     Ok(list.keep())
 }
 
+/// Room for so many more elements, and for as many as there are if that is not there yet: what [`reserve`] does, but in pieces, and [`Error::Cancelled`] when the control
+/// says so. Nothing has changed then.
+pub(crate) fn grow<T: Copy + Send + 'static>(
+    list: &mut Vec<T>,
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<(), Error> {
+    if list.capacity() - list.len() < more {
+        let longer = copied_with_room(list, more.max(list.len()), what, control)?;
+        control.give_back(std::mem::replace(list, longer));
+    }
+    Ok(())
+}
+
+/// Makes a list longer, in pieces: so many elements, the new ones of that value. When the control says stop it may have some of them.
+pub(crate) fn lengthen<T: Copy + Send + 'static>(
+    list: &mut Vec<T>,
+    count: usize,
+    value: T,
+    what: &'static str,
+    control: &Control,
+) -> Result<(), Error> {
+    let more = count.saturating_sub(list.len());
+    if list.capacity() - list.len() < more {
+        let longer = copied_with_room(list, more, what, control)?;
+        control.give_back(std::mem::replace(list, longer));
+    }
+    while list.len() < count {
+        control.check()?;
+        let end = count.min(list.len() + BLOCK);
+        list.resize(end, value);
+    }
+    Ok(())
+}
+
 /// The bytes that a list has taken, and those that it will take besides while it next grows, if that is near.
 pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
-    /// Elements that one step of a refinement may add.
-    const STEP: usize = 4096;
     let now = list.capacity() * size_of::<T>();
     // It grows to twice the size, and both are there while it is copied.
     if list.len() + STEP > list.capacity() {

@@ -138,7 +138,7 @@ impl<'a> Refiner<'a> {
         }
         let mut turns = 0usize;
         loop {
-            if let Some(status) = self.limit(&mut turns, "refine", control) {
+            if let Some(status) = self.limit(&mut turns, "refine", control)? {
                 return Ok(status);
             }
             if self.boundary_step()? {
@@ -150,7 +150,13 @@ impl<'a> Refiner<'a> {
         Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
     }
 
-    pub(super) fn limit(&mut self, turns: &mut usize, stage: &'static str, control: &Control) -> Option<RefineStatus> {
+    /// Whether something stops the loop before its next turn. Makes room for that turn.
+    pub(super) fn limit(
+        &mut self,
+        turns: &mut usize,
+        stage: &'static str,
+        control: &Control,
+    ) -> Result<Option<RefineStatus>, Error> {
         let vertices = self.t.vertex_count();
         let boundary = &*self.boundary;
         let waiting = boundary.pending_segments.len() + boundary.pending_facets.len();
@@ -164,16 +170,33 @@ impl<'a> Refiner<'a> {
         };
         *turns += 1;
         if !go_on {
-            return Some(RefineStatus::Cancelled);
+            return Ok(Some(RefineStatus::Cancelled));
         }
         if open == 0 {
-            return None;
+            return Ok(None);
         }
         if vertices >= self.max_vertices {
-            return Some(RefineStatus::VertexLimit);
+            return Ok(Some(RefineStatus::VertexLimit));
         }
         let Refiner { limits, t, boundary, queue, cavity, .. } = self;
-        limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes())
+        let reached = limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes());
+        if reached.is_none() && self.t.lacks_room_ahead() {
+            match self.make_room_ahead(control) {
+                Err(Error::Cancelled) => return Ok(Some(RefineStatus::Cancelled)),
+                other => other?,
+            }
+        }
+        Ok(reached)
+    }
+
+    /// Room for some turns, in pieces.
+    fn make_room_ahead(&mut self, control: &Control) -> Result<(), Error> {
+        self.t.make_room_ahead(control)?;
+        self.cavity.grow_for(self.t, control)?;
+        if !self.hole.is_new() {
+            self.hole.grow_for(self.t, control)?;
+        }
+        self.sparsifier.as_mut().map_or(Ok(()), |sparsifier| sparsifier.grow_for(self.t, control))
     }
 
     /// Queues all that there is to do.

@@ -81,7 +81,7 @@ impl Refiner<'_> {
         self.boundary.recovering = true;
         let (mut turns, mut first) = (0, Vec::new());
         let status = loop {
-            if let Some(status) = self.limit(&mut turns, "boundary", control) {
+            if let Some(status) = self.limit(&mut turns, "boundary", control)? {
                 break status;
             }
             if let Step::Nothing = self.recovery_step(&mut first, Demand::NONE)? {

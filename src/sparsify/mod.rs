@@ -226,6 +226,13 @@ impl Sparsifier {
         Ok(true)
     }
 
+    /// Makes its lists as long as the triangulation has room, in pieces.
+    pub fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        self.alone.grow_for(t, control)?;
+        self.pair.grow_for(t, control)?;
+        self.hole.grow_for(t, control)
+    }
+
     /// Gives its memory back.
     pub fn give_back(self, control: &Control) {
         control.give_back(self.hole);
@@ -264,6 +271,12 @@ impl Sparsifier {
                 return Ok(Some(status));
             }
             turns += 1;
+            if t.lacks_room_ahead() {
+                match t.make_room_ahead(control).and_then(|()| self.grow_for(t, control)) {
+                    Err(Error::Cancelled) => return Ok(Some(RefineStatus::Cancelled)),
+                    other => other?,
+                }
+            }
             if !self.is_steiner(t, v) {
                 continue;
             }

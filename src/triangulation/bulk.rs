@@ -133,6 +133,10 @@ impl Triangulation {
                 self.scratch = cavity;
                 return Ok(false);
             }
+            if let Err(error) = self.tetrahedra_ahead(&mut cavity, progress.control) {
+                self.scratch = cavity;
+                return Err(error);
+            }
             progress.done += 1;
             let point = self.at(vertex);
             let start = if self.is_live(hint) { hint } else { self.last };

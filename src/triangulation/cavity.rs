@@ -78,6 +78,14 @@ impl Cavity {
         memory::reserve(&mut self.marks, more, "marks")
     }
 
+    /// As long as the triangulation has room for tetrahedra and vertices, in pieces, so that no search has to do it. The cavity is forgotten.
+    pub(crate) fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        self.clear();
+        let (tetrahedra, vertices) = t.room();
+        memory::lengthen(&mut self.marks, tetrahedra, 0, "marks", control)?;
+        self.labels.grow(vertices, control)
+    }
+
     /// The bytes of its marks.
     pub(crate) fn bytes(&self) -> usize {
         self.marks.capacity()

@@ -151,6 +151,7 @@ impl Triangulation {
             if !goes_on {
                 return Ok(None);
             }
+            self.room_ahead(control)?;
             let vertex = if points.len() == 1 { self.next_vertex() } else { self.points.len() as u32 };
             ids.push(self.insert_as((vertex, point), None, journal.as_deref_mut(), control)?.vertex);
             rest = others;
@@ -229,6 +230,7 @@ impl Triangulation {
             if !goes_on {
                 return Err(Error::Cancelled);
             }
+            self.room_ahead(control)?;
             self.insert_stored(v, self.last)?;
         }
         Ok(())

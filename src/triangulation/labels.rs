@@ -88,6 +88,11 @@ impl Labels {
         memory::reserve(&mut self.of, more, "labels")
     }
 
+    /// Room for so many vertices, made in pieces. The numbers that were given stay.
+    pub fn grow(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
+        memory::lengthen(&mut self.of, (vertices + 1).next_power_of_two(), 0, "labels", control)
+    }
+
     /// Memory for that many vertices. The numbers that were given are gone then.
     pub fn reserve(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
         if self.of.len() <= vertices {

@@ -19,6 +19,7 @@
 //! | `threads` | work shared out |
 //! | `order` | that order: BRIO rounds along a Hilbert curve |
 //! | `lower` | points that span no volume yet |
+//! | `room` | room made ahead, in pieces |
 //! | `vertices` | vertex ids, and the gaps that removals leave |
 //! | `validate` | the invariants, checked |
 //!
@@ -36,6 +37,7 @@ mod order;
 mod partition;
 mod pass;
 pub mod remove;
+mod room;
 mod search;
 mod site;
 mod star;

@@ -26,7 +26,7 @@ use crate::domain::label::OUTSIDE;
 use crate::geometry::predicates::{collinear, orient3d};
 use crate::geometry::{check_range, Filter, Sign};
 use crate::leavings::{InPieces, Leavings};
-use crate::{Control, Error};
+use crate::{memory, Control, Error};
 
 /// Vertices that go, and a point that comes in their place.
 #[derive(Clone, Copy, Debug, Default)]
@@ -154,6 +154,18 @@ impl Hole {
             }
         }
         self.vertices.clear();
+    }
+
+    /// Whether it was never used.
+    pub(crate) fn is_new(&self) -> bool {
+        self.marks.is_empty()
+    }
+
+    /// As long as the triangulation has room for tetrahedra and vertices, in pieces, so that no replacement has to do it.
+    pub(crate) fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let (tetrahedra, vertices) = t.room();
+        memory::lengthen(&mut self.marks, tetrahedra, 0, "marks", control)?;
+        memory::lengthen(&mut self.local, vertices, NONE, "vertices", control)
     }
 
     fn take(&mut self, t: u32, v: [u32; 4]) {

@@ -22,6 +22,7 @@ use wrap::OpenFaces;
 use crate::domain::{Boundary, Unsplit};
 use crate::triangulation::topology::{tet_of, GHOST};
 use crate::triangulation::Triangulation;
+use crate::{memory, Control, Error};
 
 /// Larger holes are not looked at.
 const MAX_VERTICES: usize = 200;
@@ -136,6 +137,13 @@ fn sphere([a, b, c, d]: [DVec3; 4]) -> (DVec3, f64) {
 }
 
 impl Forecast {
+    /// As long as the triangulation has room for tetrahedra and vertices, in pieces, so that no hole has to do it.
+    pub fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let (tetrahedra, vertices) = t.room();
+        memory::lengthen(&mut self.marks, tetrahedra, 0, "marks", control)?;
+        memory::lengthen(&mut self.number, vertices, NONE, "vertices", control)
+    }
+
     /// Forgets the last hole and gets ready for one near `origin`.
     fn begin(&mut self, t: &Triangulation, origin: DVec3) {
         for &t in &self.going {
