@@ -1,5 +1,5 @@
-//! How long calls go on after they have been cancelled from another thread: `cargo bench --bench cancel -- [POINTS...]`. For each call the longest of some
-//! moments, spread over its time, by the clock and in processor time of the whole process: the latter is what counts on a machine that does other things
+//! How long calls go on after they have been cancelled from another thread: `cargo bench --bench cancel -- [POINTS...] [NAME...]`. A name is a part of what a line
+//! begins with, and leaves all others out. For each call the longest of some moments, spread over its time, by the clock and in processor time of the whole process: the latter is what counts on a machine that does other things
 //! meanwhile.
 
 use std::time::{Duration, Instant};
@@ -53,6 +53,11 @@ fn latency(wait: Duration, call: impl FnOnce(&Control)) -> Option<(Duration, Dur
 
 /// Measures at `moments` moments of a call that takes `whole`.
 fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control)) {
+    let mut names =
+        std::env::args().skip(1).filter(|name| !name.starts_with('-') && name.parse::<usize>().is_err()).peekable();
+    if names.peek().is_some() && !names.any(|part| name.contains(&part)) {
+        return;
+    }
     let mut subject = fresh();
     let start = Instant::now();
     call(&mut subject, &Control::new());

@@ -1182,8 +1182,7 @@ wsp_status wsp_plc_check(const struct wsp_plc *plc,
                          struct wsp_check **out);
 
 /**
- * wsp_plc_check that `control`, which may be NULL, cancels: WSP_CANCELLED then, and `*out` is NULL. The control is not looked at while the search
- * tree of all sides is made, or that of the facets.
+ * wsp_plc_check that `control`, which may be NULL, cancels: WSP_CANCELLED then, and `*out` is NULL.
  * Errors: those of wsp_plc_check.
  */
 wsp_status wsp_plc_check_within(const struct wsp_plc *plc,
@@ -1232,6 +1231,16 @@ wsp_status wsp_check_angle(const struct wsp_check *check,
 wsp_status wsp_plc_join_coplanar(struct wsp_plc *plc,
                                  double degrees,
                                  size_t *facets);
+
+/**
+ * wsp_plc_join_coplanar that `control`, which may be NULL, cancels: WSP_CANCELLED then, and the complex is as it was. The control is not looked at
+ * while one joined facet is put together.
+ * Errors: those of wsp_plc_join_coplanar.
+ */
+wsp_status wsp_plc_join_coplanar_within(struct wsp_plc *plc,
+                                        double degrees,
+                                        struct wsp_control *control,
+                                        size_t *facets);
 
 /**
  * Makes an empty triangulation without a domain. `options` may be NULL: the defaults.

@@ -208,8 +208,7 @@ pub unsafe extern "C" fn wsp_plc_check(plc: *const wsp_plc, out: *mut *mut wsp_c
     })
 }
 
-/// wsp_plc_check that `control`, which may be NULL, cancels: WSP_CANCELLED then, and `*out` is NULL. The control is not looked at while the search
-/// tree of all sides is made, or that of the facets.
+/// wsp_plc_check that `control`, which may be NULL, cancels: WSP_CANCELLED then, and `*out` is NULL.
 /// Errors: those of wsp_plc_check.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_check_within(
@@ -325,15 +324,45 @@ pub unsafe extern "C" fn wsp_check_angle(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_join_coplanar(plc: *mut wsp_plc, degrees: f64, facets: *mut usize) -> wsp_status {
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
-    call("wsp_plc_join_coplanar", || unsafe {
+    call("wsp_plc_join_coplanar", || unsafe { join_coplanar(plc, degrees, std::ptr::null_mut(), facets) })
+}
+
+/// wsp_plc_join_coplanar that `control`, which may be NULL, cancels: WSP_CANCELLED then, and the complex is as it was. The control is not looked at
+/// while one joined facet is put together.
+/// Errors: those of wsp_plc_join_coplanar.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_plc_join_coplanar_within(
+    plc: *mut wsp_plc,
+    degrees: f64,
+    control: *mut wsp_control,
+    facets: *mut usize,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
+    call("wsp_plc_join_coplanar_within", || unsafe { join_coplanar(plc, degrees, control, facets) })
+}
+
+/// # Safety
+/// Each pointer is NULL or live.
+unsafe fn join_coplanar(
+    plc: *mut wsp_plc,
+    degrees: f64,
+    control: *mut wsp_control,
+    facets: *mut usize,
+) -> Result<wsp_status, Failure> {
+    // SAFETY: as the caller promises, and checked by the function that takes it.
+    unsafe {
+        let control = control::core(control)?;
         let mut plc = args::reference(plc, "plc")?.handle.write()?;
         if !(0.0..=90.0).contains(&degrees) {
             return Err(Failure::new(WSP_ERR_ARGUMENT, format!("degrees is {degrees}, expected 0 to 90")));
         }
-        plc.join_coplanar(degrees);
+        match plc.join_coplanar_within(degrees, &control) {
+            Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
+            other => drop(other?),
+        }
         if !facets.is_null() {
             args::store(facets, plc.facets.len(), "facets")?;
         }
         Ok(WSP_DONE)
-    })
+    }
 }

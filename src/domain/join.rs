@@ -7,7 +7,8 @@ use super::boundary::{edge_key, face_key};
 use super::facet::{dominant_axis, FacetTriangulation};
 use super::planar::{extent, facet_normal, off_plane, planarity, triangles_of_facet, triangles_within};
 use super::plc::{Plc, PlcFacet};
-use crate::DVec3;
+use crate::sorting::{sort, sort_by};
+use crate::{Control, DVec3, Error};
 
 impl Plc {
     /// Joins facets of one marker that share a side with no third facet there, and whose normals differ by at most `degrees`, as long as
@@ -17,10 +18,19 @@ impl Plc {
     /// The points stay, and the surface too, up to that planarity. Points that are left within a facet become vertices of its
     /// own. Cost: n log n in the number of sides.
     pub fn join_coplanar(&mut self, degrees: f64) -> Vec<u32> {
+        // Nobody cancels it.
+        self.join_coplanar_within(degrees, &Control::new()).unwrap_or_default()
+    }
+
+    /// [`join_coplanar`](Self::join_coplanar); [`Error::Cancelled`] when the control says stop. Nothing has changed then.
+    pub fn join_coplanar_within(&mut self, degrees: f64, control: &Control) -> Result<Vec<u32>, Error> {
+        let turns = control.turns();
         let count = self.facets.len();
-        let normals: Vec<Option<DVec3>> = self.facets.iter().map(|facet| self.single_normal(facet)).collect();
+        let mut normals: Vec<Option<DVec3>> = Vec::with_capacity(count);
         let mut at_side: FxHashMap<[u32; 2], Vec<u32>> = FxHashMap::default();
         for (i, facet) in self.facets.iter().enumerate() {
+            turns.check()?;
+            normals.push(self.single_normal(facet));
             for side in sides(facet) {
                 at_side.entry(side).or_default().push(i as u32);
             }
@@ -33,10 +43,11 @@ impl Plc {
         let area = |i: usize| normals[i].map_or(0.0, |_| self.size_of(i));
         // Large ones first: their normals are the most exact.
         let mut seeds: Vec<(f64, usize)> = (0..count).map(|i| (area(i), i)).collect();
-        seeds.sort_by(|(a, i), (b, j)| b.total_cmp(a).then(i.cmp(j)));
+        sort_by(&mut seeds, &control.watch(), |(a, i), (b, j)| b.total_cmp(a).then(i.cmp(j)))?;
         let mut groups: Vec<Vec<u32>> = Vec::new();
         let mut taken = vec![false; count];
         for (_, seed) in seeds {
+            turns.check()?;
             if taken[seed] {
                 continue;
             }
@@ -46,6 +57,7 @@ impl Plc {
                 let mut plane = Flat::new(self, &self.facets[seed], normal, extent);
                 let mut next = 0;
                 while next < members.len() {
+                    turns.check()?;
                     for side in sides(&self.facets[members[next] as usize]) {
                         let Some(&[f, g]) = at_side.get(&side).map(Vec::as_slice) else { continue };
                         let other = if f == members[next] { g } else { f } as usize;
@@ -66,6 +78,7 @@ impl Plc {
         let mut facets: Vec<PlcFacet> = Vec::new();
         let mut members_of: Vec<Vec<u32>> = Vec::new();
         for members in groups {
+            turns.check()?;
             let union = self.union(&members, &at_side);
             if members.len() == 1 || self.covers(&union, &members) {
                 facets.push(union);
@@ -75,13 +88,13 @@ impl Plc {
             // The outline does not say where the facet is (rings that touch, folds): its parts stay apart.
             self.keep_apart(&members, &mut facets, &mut members_of);
         }
-        self.part_overlapping(&mut facets, &mut members_of, extent);
+        self.part_overlapping(&mut facets, &mut members_of, extent, control)?;
         let mut group = vec![u32::MAX; count];
         for (i, members) in members_of.iter().enumerate() {
             members.iter().for_each(|&member| group[member as usize] = i as u32);
         }
         self.facets = facets;
-        group
+        Ok(group)
     }
 
     /// Puts facets of before behind the list, each by itself.
@@ -93,16 +106,24 @@ impl Plc {
     }
 
     /// Takes joined facets apart that would have a triangle in common with another one. Two sides of something very thin are so.
-    fn part_overlapping(&self, facets: &mut Vec<PlcFacet>, members_of: &mut Vec<Vec<u32>>, extent: f64) {
+    fn part_overlapping(
+        &self,
+        facets: &mut Vec<PlcFacet>,
+        members_of: &mut Vec<Vec<u32>>,
+        extent: f64,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let turns = control.turns();
         while members_of.iter().any(|members| members.len() > 1) {
             // As in the boundary, sides of other facets between two points of a facet are kept.
             let mut all: Vec<[u32; 2]> = facets.iter().flat_map(sides).collect();
             all.extend(self.segments.iter().map(|segment| edge_key(segment.ends)));
-            all.sort_unstable();
+            sort(&mut all, &control.watch())?;
             all.dedup();
             let mut first_with: FxHashMap<[u32; 3], u32> = FxHashMap::default();
             let mut overlaps = vec![false; facets.len()];
             for (i, facet) in facets.iter().enumerate() {
+                turns.check()?;
                 for triangle in self.final_triangles(facet, &all, extent) {
                     let first = *first_with.entry(face_key(triangle)).or_insert(i as u32) as usize;
                     if first != i {
@@ -111,7 +132,7 @@ impl Plc {
                 }
             }
             if !overlaps.iter().zip(&*members_of).any(|(&overlaps, members)| overlaps && members.len() > 1) {
-                return;
+                return Ok(());
             }
             let (old, old_members) = (std::mem::take(facets), std::mem::take(members_of));
             for ((facet, members), overlaps) in old.into_iter().zip(old_members).zip(overlaps) {
@@ -123,6 +144,7 @@ impl Plc {
                 }
             }
         }
+        Ok(())
     }
 
     /// The triangles that a facet begins with as a domain's boundary.

@@ -285,6 +285,35 @@ fn coplanar_facets_are_joined_and_nothing_else_changes() {
     assert_eq!((ring.facets.len(), ring.facets[0].polygons.len(), ring.facets[0].holes.len()), (1, 2, 1));
 }
 
+#[test]
+fn joining_hears_of_a_cancellation_at_any_time_and_changes_nothing_then() {
+    // A sheet of squares of two triangles, bent where every fifth row begins.
+    let n = 40;
+    let mut plc = Plc::default();
+    let height = |j: u32| f64::from(j % 10).min(10.0 - f64::from(j % 10)).min(5.0);
+    plc.points.extend(
+        (0..(n + 1) * (n + 1))
+            .map(|i| (i % (n + 1), i / (n + 1)))
+            .map(|(i, j)| DVec3::new(f64::from(i), f64::from(j), height(j))),
+    );
+    for (i, j) in (0..n * n).map(|k| (k % n, k / n)) {
+        let v = j * (n + 1) + i;
+        plc.facets.extend([facet([v, v + 1, v + n + 2], 0), facet([v, v + n + 2, v + n + 1], 0)]);
+    }
+    let control = Control::new();
+    let mut joined = plc.clone();
+    let looks = control.looks(None, || assert_eq!(joined.join_coplanar_within(0.01, &control).unwrap().len(), 3200));
+    assert_eq!(joined.facets.len(), 8);
+    assert!(looks >= 3 * plc.facets.len() / 256, "{looks}");
+    for last in 1..=looks {
+        let mut cancelled = plc.clone();
+        let made = control.looks(Some(last), || {
+            assert_eq!(cancelled.join_coplanar_within(0.01, &control), Err(crate::Error::Cancelled));
+        });
+        assert!(made == last && cancelled == plc);
+    }
+}
+
 /// Nodes of a surface mesh on a slanted side lie off its plane by rounding. Taken for points beside it, they asked for splits down to the last bits of the
 /// coordinates, and refinement ran away outside.
 #[test]

@@ -1,5 +1,5 @@
 //! Where elements of a complex meet that share nothing: points on segments and facets, segments that cross, segments through facets, facets that
-//! overlap. Candidates come from R-trees of bounding boxes (the `rstar` crate); each pair is then decided exactly.
+//! overlap. Candidates come from [trees of bounding boxes](super::boxes); each pair is then decided exactly.
 //!
 //! Two facets in different planes that meet where they should not have a side of one in the other, so that sides against triangles are
 //! enough; only facets in one plane are compared with each other.
@@ -7,11 +7,10 @@
 //! Points that nothing else names, such as the nodes of a surface mesh, belong to a side or facet within the tolerance that a facet's own corners have:
 //! on a slanted plane they can't lie exactly. Taken for points beside it, they would ask for edges as short as the last bits of coordinates.
 
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{RTree, AABB};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arrangement::Arrangement;
+use super::boxes::Boxes;
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::facet::dominant_axis;
 use crate::domain::planar::{extent, facet_normal, size_from, PLANARITY};
@@ -20,18 +19,6 @@ use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
 use crate::{Control, DVec3, DomainElement, Error};
 
-type Boxed = GeomWithData<Rectangle<[f64; 3]>, u32>;
-
-/// A tree of the bounding boxes of lists of points.
-fn tree<const N: usize>(elements: impl Iterator<Item = [DVec3; N]>) -> RTree<Boxed> {
-    let boxed = |(i, points): (usize, [DVec3; N])| {
-        let low = points.into_iter().reduce(DVec3::min).unwrap_or_default();
-        let high = points.into_iter().reduce(DVec3::max).unwrap_or_default();
-        GeomWithData::new(Rectangle::from_corners(low.to_array(), high.to_array()), i as u32)
-    };
-    RTree::bulk_load(elements.enumerate().map(boxed).collect())
-}
-
 /// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
 pub(super) fn find(
     plc: &Plc,
@@ -39,10 +26,9 @@ pub(super) fn find(
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
-    control.check()?;
-    let sides = tree(a.sides.iter().map(|side| side.ends.map(|v| a.points[v as usize])));
-    control.check()?;
-    let triangles = tree(a.triangles.iter().map(|(triangle, _)| triangle.map(|v| a.points[v as usize])));
+    let at = |v: u32| a.points[v as usize];
+    let sides = Boxes::new(a.sides.iter().map(|side| side.ends.map(at)), control)?;
+    let triangles = Boxes::new(a.triangles.iter().map(|(triangle, _)| triangle.map(at)), control)?;
     let (alone, reach) = (alone(a), PLANARITY * extent(&a.points));
     let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
     points_on_sides(a, &sides, &reach_of, defects, control)?;
@@ -73,17 +59,9 @@ fn is_near_side([q, r]: [DVec3; 2], p: DVec3) -> bool {
     0.0 < share && share < 1.0 && (p - q - share * along).length_squared() <= PLANARITY * PLANARITY * length2
 }
 
-/// The elements whose boxes are within `reach` of a point.
-fn at_point(tree: &RTree<Boxed>, p: DVec3, reach: f64) -> Vec<u32> {
-    let envelope = AABB::from_corners((p - reach).to_array(), (p + reach).to_array());
-    let mut found: Vec<u32> = tree.locate_in_envelope_intersecting(envelope).map(|boxed| boxed.data).collect();
-    found.sort_unstable();
-    found
-}
-
 fn points_on_sides(
     a: &mut Arrangement,
-    tree: &RTree<Boxed>,
+    boxes: &Boxes,
     reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
@@ -92,7 +70,7 @@ fn points_on_sides(
     for v in usable_points(a) {
         control.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
-        for side in at_point(tree, p, reach) {
+        for side in boxes.at_point(p, reach) {
             let ends = a.sides[side as usize].ends;
             let [q, r] = ends.map(|v| a.points[v as usize]);
             // Within the bounding box and on the line is between the ends.
@@ -156,7 +134,7 @@ impl Plane {
 
 fn points_in_facets(
     a: &mut Arrangement,
-    tree: &RTree<Boxed>,
+    boxes: &Boxes,
     reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
@@ -166,7 +144,7 @@ fn points_in_facets(
     for v in usable_points(a) {
         control.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
-        for i in at_point(tree, p, reach) {
+        for i in boxes.at_point(p, reach) {
             let (triangle, facet) = a.triangles[i as usize];
             let corners = &a.corners[facet as usize];
             if corners.binary_search(&v).is_ok() {
@@ -198,28 +176,9 @@ fn points_in_facets(
     Ok(())
 }
 
-/// Pairs of elements whose boxes meet, sorted.
-fn pairs(
-    first: &RTree<Boxed>,
-    second: &RTree<Boxed>,
-    keep: impl Fn(u32, u32) -> bool,
-    control: &Control,
-) -> Result<Vec<(u32, u32)>, Error> {
-    let turns = control.turns();
-    let mut pairs = Vec::new();
-    for (a, b) in first.intersection_candidates_with_other_tree(second).map(|(a, b)| (a.data, b.data)) {
-        turns.check()?;
-        if keep(a, b) {
-            pairs.push((a, b));
-        }
-    }
-    pairs.sort_unstable();
-    Ok(pairs)
-}
-
 fn sides_across_sides(
     a: &Arrangement,
-    tree: &RTree<Boxed>,
+    boxes: &Boxes,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
@@ -229,7 +188,7 @@ fn sides_across_sides(
         // Sides of one facet are the facet's own affair.
         i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
     };
-    for (i, j) in pairs(tree, tree, apart, control)? {
+    for (i, j) in boxes.pairs(boxes, apart, control)? {
         turns.check()?;
         let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
         let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
@@ -253,8 +212,8 @@ fn crossing(denominator: DVec3, numerator: DVec3) -> f64 {
 
 fn sides_through_facets(
     a: &Arrangement,
-    sides: &RTree<Boxed>,
-    triangles: &RTree<Boxed>,
+    sides: &Boxes,
+    triangles: &Boxes,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
@@ -264,7 +223,7 @@ fn sides_through_facets(
         !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
     };
     let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
-    for (i, j) in pairs(sides, triangles, apart, control)? {
+    for (i, j) in sides.pairs(triangles, apart, control)? {
         turns.check()?;
         let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
         let [p, q] = side.ends.map(|v| a.points[v as usize]);
@@ -298,14 +257,14 @@ fn sides_through_facets(
 fn facets_in_one_plane(
     plc: &Plc,
     a: &Arrangement,
-    tree: &RTree<Boxed>,
+    boxes: &Boxes,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let turns = control.turns();
     let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
     let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
-    for (i, j) in pairs(tree, tree, apart, control)? {
+    for (i, j) in boxes.pairs(boxes, apart, control)? {
         turns.check()?;
         let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
         let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));

@@ -4,13 +4,15 @@
 //! |---|---|
 //! | [`defect`] | the kinds of defects, and how each is told |
 //! | `arrangement` | points, segments and triangles of the complex by themselves: duplicates merged, facets triangulated |
-//! | `meet` | which of them meet where they should not: exact predicates on pairs from an R-tree |
+//! | `boxes` | R-trees of bounding boxes |
+//! | `meet` | which of them meet where they should not: exact predicates on pairs from these |
 //! | `edges` | open and branching edges, and the smallest angles |
 //!
 //! Whether two elements meet is decided exactly. Only planarity has a tolerance, because points on a slanted plane have no exact coordinates; points that
 //! nothing else names have the same.
 
 pub(crate) mod arrangement;
+mod boxes;
 pub mod defect;
 mod edges;
 mod meet;

@@ -1,0 +1,148 @@
+//! Bounding boxes to be found by place: R-trees of the `rstar` crate. One tree of a million boxes takes a second to make, and none of it can be cancelled. So
+//! the boxes are sorted along the axis in which they reach farthest, and every few thousand in that order are a tree. Few of the trees have anything to do with
+//! one box.
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{Envelope, RTree, AABB};
+
+use crate::leavings::{InPieces, Leavings};
+use crate::sorting::sort_by;
+use crate::{Control, DVec3, Error};
+
+/// Boxes of a tree: about a millisecond to make it.
+const PART: usize = 1 << 13;
+
+type Boxed = GeomWithData<Rectangle<[f64; 3]>, u32>;
+
+/// Boxes by number.
+#[derive(Default)]
+pub(super) struct Boxes(Vec<RTree<Boxed>>);
+
+impl Boxes {
+    /// The bounding boxes of lists of points, numbered in their order; [`Error::Cancelled`] when the control says so before they are ready.
+    pub fn new<const N: usize>(
+        elements: impl Iterator<Item = [DVec3; N]>,
+        control: &Control,
+    ) -> Result<InPieces<'_, Boxes>, Error> {
+        let turns = control.turns();
+        let mut all: Vec<(DVec3, DVec3, u32)> = Vec::with_capacity(elements.size_hint().0);
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (points, i) in elements.zip(0..) {
+            turns.check()?;
+            let low = points.into_iter().reduce(DVec3::min).unwrap_or_default();
+            let high = points.into_iter().reduce(DVec3::max).unwrap_or_default();
+            (least, most) = (least.min(low), most.max(high));
+            all.push((low, high, i));
+        }
+        if all.len() > PART {
+            let reach = most - least;
+            let axis = (0..3).max_by(|&i, &j| reach[i].total_cmp(&reach[j])).unwrap_or(0);
+            let place = |&(low, high, _): &(DVec3, DVec3, u32)| 0.5 * low[axis] + 0.5 * high[axis];
+            sort_by(&mut all, &control.watch(), |a, b| place(a).total_cmp(&place(b)).then(a.2.cmp(&b.2)))?;
+        }
+        let mut boxes = InPieces::new(Boxes::default(), control);
+        for part in all.chunks(PART) {
+            control.check()?;
+            let boxed = |&(low, high, i): &(DVec3, DVec3, u32)| {
+                GeomWithData::new(Rectangle::from_corners(low.to_array(), high.to_array()), i)
+            };
+            boxes.0.push(RTree::bulk_load(part.iter().map(boxed).collect()));
+        }
+        Ok(boxes)
+    }
+
+    /// Those within `reach` of a point, sorted.
+    pub fn at_point(&self, p: DVec3, reach: f64) -> Vec<u32> {
+        let envelope = AABB::from_corners((p - reach).to_array(), (p + reach).to_array());
+        let near = self.0.iter().filter(|tree| tree.root().envelope().intersects(&envelope));
+        let mut found: Vec<u32> =
+            near.flat_map(|tree| tree.locate_in_envelope_intersecting(envelope)).map(|boxed| boxed.data).collect();
+        found.sort_unstable();
+        found
+    }
+
+    /// Pairs of one of these and one of the others that meet, as far as `keep` says so, sorted.
+    pub fn pairs(
+        &self,
+        others: &Boxes,
+        keep: impl Fn(u32, u32) -> bool,
+        control: &Control,
+    ) -> Result<Vec<(u32, u32)>, Error> {
+        let turns = control.turns();
+        let mut pairs = Vec::new();
+        for tree in &self.0 {
+            for other in &others.0 {
+                turns.check()?;
+                if !tree.root().envelope().intersects(&other.root().envelope()) {
+                    continue;
+                }
+                for (a, b) in tree.intersection_candidates_with_other_tree(other).map(|(a, b)| (a.data, b.data)) {
+                    turns.check()?;
+                    if keep(a, b) {
+                        pairs.push((a, b));
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        Ok(pairs)
+    }
+}
+
+impl Leavings for Boxes {
+    fn give_back(&mut self) -> bool {
+        self.0.pop().is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small boxes all over the place, some of them large.
+    fn edges(count: usize) -> Vec<[DVec3; 2]> {
+        let mut state = 5u64;
+        let mut next = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / (1 << 24) as f64
+        };
+        let mut point = move || DVec3::new(next(), 3.0 * next(), next());
+        let mut edge = |i: usize| {
+            let (p, q) = (point(), point());
+            [p, p + (q - p) * if i % 500 == 0 { 0.5 } else { 0.01 }]
+        };
+        (0..count).map(&mut edge).collect()
+    }
+
+    fn meet([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {
+        a.min(b).cmple(c.max(d)).all() && c.min(d).cmple(a.max(b)).all()
+    }
+
+    #[test]
+    fn several_trees_find_what_each_by_itself_would() {
+        let control = Control::new();
+        let edges = edges(2 * PART + 100);
+        let boxes = Boxes::new(edges.iter().copied(), &control).unwrap();
+        assert_eq!(boxes.0.len(), 3);
+        let few = Boxes::new(edges[..200].iter().copied(), &control).unwrap();
+        let numbers = |of: [DVec3; 2]| (0u32..).zip(&edges).filter(move |(_, &edge)| meet(of, edge)).map(|(i, _)| i);
+        for &[p, _] in &edges[..50] {
+            assert!(boxes.at_point(p, 0.01).into_iter().eq(numbers([p - 0.01, p + 0.01])));
+        }
+        let expected: Vec<(u32, u32)> =
+            (0..200).flat_map(|i| numbers(edges[i as usize]).map(move |j| (i, j))).filter(|(i, j)| i != j).collect();
+        assert_eq!(few.pairs(&boxes, |i, j| i != j, &control).unwrap(), expected);
+    }
+
+    #[test]
+    fn one_look_at_the_control_for_each_tree_and_more_while_sorting() {
+        let control = Control::new();
+        let edges = edges(4 * PART);
+        let looks = control.looks(None, || drop(Boxes::new(edges.iter().copied(), &control).unwrap()));
+        assert!(looks >= edges.len() / 256 + 4, "{looks}");
+        for last in [1, looks / 2, looks - 6] {
+            let cancelled = || assert!(matches!(Boxes::new(edges.iter().copied(), &control), Err(Error::Cancelled)));
+            assert!(control.looks(Some(last), cancelled) <= last + 1);
+        }
+    }
+}
