@@ -3,5 +3,5 @@
 set -eu
 cd "$(dirname "$0")/../.."
 PATH="${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
-cargo build --locked --quiet --features cli --bin wellspaced
-/usr/bin/python3 cpp_tests/check_vtu.py "${CARGO_TARGET_DIR:-target}/debug/wellspaced"
+cargo build --locked --quiet --release --features cli --bin wellspaced
+/usr/bin/python3 cpp_tests/check_vtu.py "${CARGO_TARGET_DIR:-target}/release/wellspaced"

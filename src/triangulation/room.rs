@@ -100,9 +100,9 @@ mod tests {
     }
 
     /// Its tetrahedra, and where they are.
-    fn state(t: &Triangulation) -> (*const Tetrahedron, usize, Vec<([u32; 4], [u32; 4])>) {
+    fn state(t: &Triangulation) -> (*const Tetrahedron, usize, Vec<[[u32; 4]; 2]>) {
         let tets = &t.topology.tets;
-        (tets.as_ptr(), tets.capacity(), tets.iter().map(|tet| (tet.v, tet.n)).collect())
+        (tets.as_ptr(), tets.capacity(), tets.iter().map(|tet| [tet.v, tet.n]).collect())
     }
 
     #[test]
