@@ -10,7 +10,7 @@
 
 use super::boundary::{edge_key, face_key, Boundary, SHARP};
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{Control, DVec3, Error};
 
 /// The input element of lowest dimension that a boundary vertex lies on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,10 +85,14 @@ impl Boundary {
     }
 
     /// Finds the segments along which two facets meet at less than 60°.
-    pub(super) fn find_sharp(&mut self, t: &Triangulation) {
+    pub(super) fn find_sharp(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         let mut sharp = vec![false; self.segments.len()];
         let mut inward: Vec<DVec3> = Vec::new();
+        let mut ends_of: Vec<([u32; 2], u32)> = Vec::with_capacity(self.subsegments.len());
         for (&[a, b], &segment) in self.subsegments.iter() {
+            turns.check()?;
+            ends_of.push(([a, b], segment));
             inward.clear();
             let along = (t.at(b) - t.at(a)).normalize_or_zero();
             for &facet in &self.segments[segment as usize].facets {
@@ -100,13 +104,15 @@ impl Boundary {
             let close = |(i, u): (usize, &DVec3)| inward[..i].iter().any(|v| is_acute(*u, *v));
             sharp[segment as usize] |= inward.len() > 6 || inward.iter().enumerate().any(close);
         }
-        for ([a, b], segment) in self.subsegments() {
+        for ([a, b], segment) in ends_of {
+            turns.check()?;
             if sharp[segment as usize] {
                 self.mark(a, SHARP);
                 self.mark(b, SHARP);
             }
         }
         self.sharp_segments = sharp;
+        Ok(())
     }
 
     /// The input element of a subsegment or subfacet.

@@ -16,6 +16,7 @@ use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
 use crate::leavings::InPieces;
+use crate::sorting::sort;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, DomainElement, Error};
@@ -47,7 +48,7 @@ impl Boundary {
                 }
             }
         }
-        let neighbours = boundary.neighbours(t);
+        let neighbours = boundary.neighbours(t, control)?;
         for index in 0..plc.facets.len() {
             control.check()?;
             let outline = boundary.outline(plc, parts, ids, index, &neighbours);
@@ -59,12 +60,9 @@ impl Boundary {
 
     /// What small angles ask for.
     fn find_angles(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        control.check()?;
-        self.find_acute(t);
-        control.check()?;
-        self.find_shortest(t);
-        control.check()?;
-        self.find_sharp(t);
+        self.find_acute(t, control)?;
+        self.find_shortest(t, control)?;
+        self.find_sharp(t, control)?;
         control.check()
     }
 
@@ -165,13 +163,21 @@ impl Boundary {
     }
 
     /// The vertices that each vertex has segments to, by the first one's id.
-    fn neighbours(&self, t: &Triangulation) -> Vec<Vec<u32>> {
+    fn neighbours(&self, t: &Triangulation, control: &Control) -> Result<Vec<Vec<u32>>, Error> {
+        let turns = control.turns();
+        let mut all: Vec<[u32; 2]> = Vec::with_capacity(self.subsegments.len());
+        for &key in self.subsegments.keys() {
+            turns.check()?;
+            all.push(key);
+        }
+        sort(&mut all, &control.watch())?;
         let mut neighbours = vec![Vec::new(); t.vertex_slots()];
-        for ([a, b], _) in self.subsegments() {
+        for [a, b] in all {
+            turns.check()?;
             neighbours[a as usize].push(b);
             neighbours[b as usize].push(a);
         }
-        neighbours
+        Ok(neighbours)
     }
 
     /// What a facet's planar triangulation has to hold: corners, the parts of its sides, other vertices in it, and segments between any of these.
@@ -240,10 +246,16 @@ impl Boundary {
 
     /// Marks the vertices at which two segments meet at less than 60°: around these, splits go on concentric shells
     /// (J. Ruppert, 1995), or two segments would split each other for ever.
-    fn find_acute(&mut self, t: &Triangulation) {
-        let mut ends: Vec<[u32; 2]> = self.subsegments.keys().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
-        ends.sort_unstable();
+    fn find_acute(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
+        let mut ends: Vec<[u32; 2]> = Vec::with_capacity(2 * self.subsegments.len());
+        for &[a, b] in self.subsegments.keys() {
+            turns.check()?;
+            ends.extend([[a, b], [b, a]]);
+        }
+        sort(&mut ends, &control.watch())?;
         for at_vertex in ends.chunk_by(|e, f| e[0] == f[0]) {
+            turns.check()?;
             let directions: Vec<DVec3> =
                 at_vertex.iter().map(|&[a, b]| (t.at(b) - t.at(a)).normalize_or_zero()).collect();
             // A vertex with many segments needs no exact figure.
@@ -256,6 +268,7 @@ impl Boundary {
                 self.sharpness.insert(at_vertex[0][0], sharpness);
             }
         }
+        Ok(())
     }
 }
 

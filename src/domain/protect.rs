@@ -19,6 +19,7 @@ use super::planar::PLANARITY;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
+use crate::{Control, Error};
 
 /// How to split a subfacet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,9 +121,11 @@ impl Boundary {
     }
 
     /// Notes how long the shortest segment at each acute vertex is.
-    pub(super) fn find_shortest(&mut self, t: &Triangulation) {
+    pub(super) fn find_shortest(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         let mut shortest: FxHashMap<u32, f64> = FxHashMap::default();
         for [a, b] in self.subsegments.keys().copied() {
+            turns.check()?;
             let length = t.at(a).distance(t.at(b));
             for v in [a, b].into_iter().filter(|&v| self.kind(v) & ACUTE != 0) {
                 let known = shortest.entry(v).or_insert(length);
@@ -130,6 +133,7 @@ impl Boundary {
             }
         }
         self.shortest_at = shortest;
+        Ok(())
     }
 }
 
