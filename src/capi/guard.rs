@@ -66,8 +66,10 @@ pub(super) fn call(name: &'static str, body: impl FnOnce() -> Answer) -> wsp_sta
                 Listening::Yes(Some(text)) => text,
                 _ => message(&*payload).to_owned(),
             };
-            // A payload may panic when it is dropped, which would get out after all.
-            std::mem::forget(payload);
+            // Any other payload may panic when it is dropped, which would get out after all.
+            if !payload.is::<&str>() && !payload.is::<String>() {
+                std::mem::forget(payload);
+            }
             last_error::set(&format!("{name}: internal error, please report it: {heard}"));
             WSP_ERR_INTERNAL
         }
