@@ -24,17 +24,46 @@ impl<T: Send> Leavings for Vec<T> {
         if self.capacity() == 0 {
             return false;
         }
-        self.clear();
         // Allocators cut off the end of a large block where it is. Not where the alignment is a large one: then Rust moves what remains, so that
-        // it is given back whole.
-        if self.capacity() <= piece || align_of::<T>() > ALIGNED {
+        // the block stays, and the system is given its pages.
+        if align_of::<T>() > ALIGNED && self.len() > piece {
+            let rest = self.len() - piece;
+            let pages = self[rest..].as_mut_ptr_range();
+            self.truncate(rest);
+            // SAFETY: what is behind a list's end belongs to the list, and nobody reads it before it is written.
+            unsafe { give_pages_back(pages.start.cast(), pages.end.cast()) };
+        } else if self.capacity() <= piece || align_of::<T>() > ALIGNED {
             *self = Vec::new();
         } else {
+            self.clear();
             self.shrink_to(self.capacity() - piece);
         }
         true
     }
 }
+
+/// Gives the system the pages within a part of the process's memory, which stays allocated. Where that can't be done, they go with the rest.
+///
+/// # Safety
+/// Nobody reads what was there any more.
+#[cfg(all(target_os = "linux", not(miri)))]
+unsafe fn give_pages_back(start: *mut u8, end: *mut u8) {
+    extern "C" {
+        fn madvise(start: *mut u8, length: usize, advice: i32) -> i32;
+    }
+    const MADV_DONTNEED: i32 = 4;
+    /// No page is larger, but for those that a process has to ask for.
+    const PAGE: usize = 1 << 16;
+    let skipped = start.align_offset(PAGE);
+    let length = (end.addr() - start.addr()).saturating_sub(skipped) & !(PAGE - 1);
+    if length > 0 {
+        // SAFETY: whole pages of what the caller does without; they read as zeros from now on. An error changes nothing.
+        unsafe { madvise(start.wrapping_add(skipped), length, MADV_DONTNEED) };
+    }
+}
+
+#[cfg(not(all(target_os = "linux", not(miri))))]
+unsafe fn give_pages_back(_start: *mut u8, _end: *mut u8) {}
 
 /// Things that have memory to give back, one after the other.
 #[derive(Debug)]
@@ -120,6 +149,17 @@ mod tests {
         let mut pieces = 0;
         while list.give_back() {
             pieces += 1;
+        }
+        assert_eq!((pieces, list.capacity()), (4, 0));
+        // Of a large alignment, and what has not been given back yet is still there.
+        #[repr(align(32))]
+        #[derive(Clone, Copy)]
+        struct Line([u32; 8]);
+        let mut list: Vec<Line> = (0..PIECE as u32 / 8).map(|i| Line([i; 8])).collect();
+        let mut pieces = 0;
+        while list.give_back() {
+            pieces += 1;
+            assert!((0u32..).zip(&list).all(|(i, line)| line.0 == [i; 8]));
         }
         assert_eq!((pieces, list.capacity()), (4, 0));
         let mut each = Each(vec![vec![1u8]; 5]);
