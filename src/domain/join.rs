@@ -24,6 +24,7 @@ impl Plc {
 
     /// [`join_coplanar`](Self::join_coplanar); [`Error::Cancelled`] when the control says stop. Nothing has changed then.
     pub fn join_coplanar_within(&mut self, degrees: f64, control: &Control) -> Result<Vec<u32>, Error> {
+        control.check()?;
         let turns = control.turns();
         let count = self.facets.len();
         let mut normals: Vec<Option<DVec3>> = Vec::with_capacity(count);

@@ -1,7 +1,7 @@
 //! Null pointers, wrong sizes, wrong values: each has its answer, and changes nothing.
 
 use super::*;
-use crate::capi::check::{wsp_plc_check, wsp_plc_check_within};
+use crate::capi::check::{wsp_plc_check, wsp_plc_check_within, wsp_plc_join_coplanar, wsp_plc_join_coplanar_within};
 
 /// Each call must answer WSP_ERR_NULL with a text that begins with the function's name.
 macro_rules! null_is_refused {
@@ -70,6 +70,8 @@ fn null_pointers_are_refused() {
         wsp_bad_short_edges_within(t, 2.0, null_mut(), null_mut(), 0, null_mut());
         wsp_plc_check(null(), null_mut());
         wsp_plc_check_within(plc, null_mut(), null_mut());
+        wsp_plc_join_coplanar(null_mut(), 1.0, null_mut());
+        wsp_plc_join_coplanar_within(null_mut(), 1.0, null_mut(), null_mut());
         wsp_triangulation_locate(null(), p, WSP_NONE, &mut location);
         wsp_triangulation_locate(t, null(), WSP_NONE, &mut location);
         wsp_triangulation_locate(t, p, WSP_NONE, null_mut());

@@ -272,3 +272,31 @@ fn what_takes_long_can_be_cancelled_and_changes_nothing_then() {
     }
     valid(&t);
 }
+
+#[test]
+fn joining_facets_can_be_cancelled_and_changes_nothing_then() {
+    use crate::capi::check::wsp_plc_join_coplanar_within;
+    let mut plc = null_mut();
+    let mut control = null_mut();
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let (vertices, starts) = ([0, 1, 2, 0, 2, 3], [0, 3, 6]);
+    let mut facets = 0;
+    // SAFETY: live handles, and arrays as long as the counts say.
+    unsafe {
+        done(wsp_plc_new(&mut plc));
+        done(wsp_control_new(None, null_mut(), &mut control));
+        done(wsp_plc_add_points(plc, points.as_ptr().cast(), 4, null(), null_mut()));
+        done(wsp_plc_add_facets(plc, vertices.as_ptr(), starts.as_ptr(), 2, null(), 2, null(), null_mut()));
+        assert_eq!(wsp_plc_join_coplanar_within(plc, 91.0, control, &mut facets), WSP_ERR_ARGUMENT);
+        done(wsp_control_cancel(control));
+        assert_eq!(wsp_plc_join_coplanar_within(plc, 1.0, control, &mut facets), WSP_CANCELLED);
+        let (mut points, mut segments) = (0, 0);
+        done(wsp_plc_counts(plc, &mut points, &mut segments, &mut facets));
+        assert_eq!(facets, 2);
+        done(wsp_control_reset(control));
+        done(wsp_plc_join_coplanar_within(plc, 1.0, control, &mut facets));
+        assert_eq!(facets, 1);
+        wsp_plc_free(plc);
+        wsp_control_free(control);
+    }
+}
