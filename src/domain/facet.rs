@@ -309,29 +309,20 @@ impl FacetTriangulation {
         }
     }
 
-    /// What the triangulation would be without some of its vertices. `around` are vertices among which all their neighbours are, `joined` the
-    /// fixed edges that come in the place of two that meet in one of them. `None` where the rest can't be triangulated within the same
-    /// border and fixed edges.
+    /// What the triangulation would be without some of its vertices. `at_them` are the triangles at them, `joined` the fixed edges that come in the
+    /// place of two that meet in one of them. `None` where the rest can't be triangulated within the same border and fixed edges.
     pub fn without(
         &self,
         remove: &[u32],
-        around: &[u32],
+        at_them: impl Iterator<Item = [u32; 3]>,
         joined: &[[u32; 2]],
         points: &[DVec3],
         fixed: impl Fn([u32; 2]) -> bool,
     ) -> Option<FacetChange> {
         let at = |v: u32| points[v as usize];
         let goes = |v: &u32| remove.contains(v);
-        let mut removed: Vec<[u32; 3]> = Vec::new();
-        for &v in remove {
-            for &w in around {
-                let Some(&x) = self.apex.get(&[v, w]) else { continue };
-                let triangle = rotate_lowest([v, w, x]);
-                if !removed.contains(&triangle) {
-                    removed.push(triangle);
-                }
-            }
-        }
+        let removed: Vec<[u32; 3]> =
+            at_them.map(|face| self.triangle(face).map(rotate_lowest)).collect::<Option<_>>()?;
         let inner: rustc_hash::FxHashSet<[u32; 2]> = removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
         let mut open: Vec<[u32; 2]> = Vec::new();
         for &triangle in &removed {

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, ON_FACET, ON_SEGMENT};
 use super::facet::{FacetChange, InSpace};
+use super::subsegments::Subsegments;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
@@ -68,7 +69,7 @@ impl Boundary {
     pub(crate) fn without(&self, t: &Triangulation, remove: &[u32]) -> Option<Unsplit> {
         let mut plan = Unsplit::default();
         let mut facets: Vec<u32> = Vec::new();
-        let mut around: Vec<u32> = Vec::new();
+        let mut walls: Vec<(u32, [u32; 3])> = Vec::new();
         for &v in remove {
             let carrier = self.carrier(v);
             if self.kind(v) == 0 {
@@ -77,26 +78,29 @@ impl Boundary {
             let of_carrier = self.facets_at(&carrier);
             facets.extend_from_slice(of_carrier);
             let star = t.topology.star(v);
-            // Where rounding has brought two facets together, a vertex may be one of a facet that its carrier is not on.
-            let strange = |&tet: &u32| {
+            for &tet in &star {
                 let tet = t.topology.tet(tet);
-                let at_v = (0..4).filter(|&slot| tet.v[slot] != v);
-                at_v.filter_map(|slot| self.wall(tet.face(slot))).any(|facet| !of_carrier.contains(&facet))
-            };
-            if star.iter().any(strange) {
-                return None;
+                if !self.may_have_wall(tet.v) {
+                    continue;
+                }
+                for face in (0..4).filter(|&slot| tet.v[slot] != v).map(|slot| tet.face(slot)) {
+                    let Some(facet) = self.wall(face) else { continue };
+                    // Where rounding has brought two facets together, a vertex may be one of a facet that its carrier is not on.
+                    if !of_carrier.contains(&facet) {
+                        return None;
+                    }
+                    walls.push((facet, face_key(face)));
+                }
             }
-            let neighbours: Vec<u32> = star.iter().flat_map(|&t_| t.topology.tet(t_).v).collect();
             match carrier {
-                Carrier::Segment(segment) => self.join_at(v, segment, &neighbours, &mut plan)?,
+                Carrier::Segment(segment) => self.join_at(t, (v, &star), segment, &mut plan)?,
                 Carrier::Facet(_) => {}
                 Carrier::Vertex(_) | Carrier::Free => return None,
             }
-            around.extend(neighbours);
         }
-        around.retain(|&v| v != GHOST && self.kind(v) & ON_FACET != 0);
-        around.sort_unstable();
-        around.dedup();
+        // Each is seen from both sides.
+        walls.sort_unstable();
+        walls.dedup();
         facets.sort_unstable();
         facets.dedup();
         let joined: Vec<[u32; 2]> = plan.joined.iter().map(|&(edge, _)| edge).collect();
@@ -104,14 +108,15 @@ impl Boundary {
         for facet in facets {
             let on_it: Vec<u32> =
                 remove.iter().copied().filter(|&v| self.facets_at(&self.carrier(v)).contains(&facet)).collect();
-            let change = self.facets[facet as usize].without(&on_it, &around, &joined, t.points(), fixed)?;
+            let at_them = walls.iter().filter(|wall| wall.0 == facet).map(|wall| wall.1);
+            let change = self.facets[facet as usize].without(&on_it, at_them, &joined, t.points(), fixed)?;
             plan.facets.push((facet, change));
         }
         Some(plan)
     }
 
     /// Joins the two subsegments at `v`.
-    fn join_at(&self, v: u32, segment: u32, neighbours: &[u32], plan: &mut Unsplit) -> Option<()> {
+    fn join_at(&self, t: &Triangulation, (v, star): (u32, &[u32]), segment: u32, plan: &mut Unsplit) -> Option<()> {
         let mut ends: Vec<u32> = Vec::new();
         plan.joined.retain(|&(edge, of)| {
             let at_v = of == segment && edge.contains(&v);
@@ -120,12 +125,15 @@ impl Boundary {
             }
             !at_v
         });
-        let mut others: Vec<u32> = neighbours.to_vec();
+        let partners = self.subsegments.partners(v);
+        let may_end =
+            |&w: &u32| w != v && w != GHOST && Subsegments::may_hold(v, partners, w, self.subsegments.partners(w));
+        let mut others: Vec<u32> = star.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(may_end).collect();
         others.sort_unstable();
         others.dedup();
         for w in others {
             let edge = edge_key([v, w]);
-            if w == v || w == GHOST || plan.gone.contains(&edge) {
+            if plan.gone.contains(&edge) {
                 continue;
             }
             match self.subsegments.get(&edge) {

@@ -6,6 +6,7 @@
 //! | [`cavity`] | what an insertion would remove and create |
 //! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
+//! | `incident` | the tetrahedra at a vertex
 //! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
 //! | `journal` | insertions taken back |
@@ -28,6 +29,7 @@
 
 mod bulk;
 pub mod cavity;
+mod incident;
 mod insert;
 mod journal;
 mod labels;

@@ -8,6 +8,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use super::incident::StarWalk;
 use super::threads::share_out;
 use crate::leavings::{InPieces, Leavings};
 use crate::{memory, Control, Error};
@@ -269,66 +270,46 @@ impl Topology {
         AroundEdge { topology: self, p: tet.v[i], q: tet.v[j], start: t, next: Some((t, k)) }
     }
 
-    /// A tetrahedron with both vertices, and their slots in it. Linear in the star of `p`.
+    /// A tetrahedron with both vertices, and their slots in it. Linear in the smaller one of their stars.
     pub fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
-        let mut found = None;
-        self.visit_star(p, |t| {
-            let tet = self.tet(t);
-            found = tet.slot(q).and_then(|j| Some((t, tet.slot(p)?, j)));
-            found.is_none()
-        });
-        found
+        let t = self.find_tet([p, q])?;
+        let tet = self.tet(t);
+        Some((t, tet.slot(p)?, tet.slot(q)?))
     }
 
-    /// A handle of the face with these vertices, from one of its two sides; `None` when they span no face. Costs as
-    /// [`find_edge`](Self::find_edge) of the first two, and the tetrahedra around that edge.
-    pub fn find_face(&self, [a, b, c]: [u32; 3]) -> Option<u32> {
-        let (t, i, j) = self.find_edge(a, b)?;
-        self.around_edge(t, i, j).find_map(|(t, k, l)| (self.tet(t).v[l] == c).then_some(4 * t + k as u32))
+    /// A handle of the face with these vertices, from one of its two sides; `None` when they span no face. Linear in the smallest one of
+    /// their stars.
+    pub fn find_face(&self, face: [u32; 3]) -> Option<u32> {
+        let t = self.find_tet(face)?;
+        let slot = self.tet(t).v.iter().position(|v| !face.contains(v))?;
+        Some(4 * t + slot as u32)
+    }
+
+    /// A tetrahedron with all of these vertices.
+    fn find_tet<const N: usize>(&self, vertices: [u32; N]) -> Option<u32> {
+        /// So many tetrahedra of one star are looked through before others are tried: most stars are smaller.
+        const FIRST: usize = 16;
+        let mut walks = vertices.map(|v| (v != GHOST).then(|| StarWalk::new(self, v)));
+        debug_assert!(walks.iter().any(Option::is_some));
+        let mut turns = FIRST;
+        loop {
+            for walk in walks.iter_mut().flatten() {
+                for _ in 0..turns {
+                    // The whole star of one of them is enough.
+                    let t = walk.next(self)?;
+                    let v = self.tet(t).v;
+                    if vertices.iter().all(|x| v.contains(x)) {
+                        return Some(t);
+                    }
+                }
+            }
+            turns = turns.saturating_mul(2);
+        }
     }
 
     /// The tetrahedra at a vertex, ghosts included, in the order of a breadth-first walk.
     pub fn star(&self, vertex: u32) -> Vec<u32> {
-        self.visit_star(vertex, |_| true)
-    }
-
-    /// Goes through the tetrahedra at a vertex, breadth first, as long as `go_on` says so. Returns those found until then.
-    fn visit_star(&self, vertex: u32, mut go_on: impl FnMut(u32) -> bool) -> Vec<u32> {
-        /// So many are found faster by looking through them.
-        const FEW: usize = 48;
-        let first = self.vertex_tet[vertex as usize];
-        if first == NONE {
-            return Vec::new();
-        }
-        let mut star = Vec::with_capacity(FEW);
-        star.push(first);
-        let mut seen = rustc_hash::FxHashSet::default();
-        let mut next = 0;
-        while next < star.len() {
-            if !go_on(star[next]) {
-                break;
-            }
-            let tet = self.tet(star[next]);
-            next += 1;
-            for slot in 0..4 {
-                let neighbour = tet_of(tet.n[slot]);
-                if tet.v[slot] == vertex {
-                    continue;
-                }
-                let is_new = if star.len() < FEW {
-                    !star.contains(&neighbour)
-                } else {
-                    if seen.is_empty() {
-                        seen.extend(star.iter().copied());
-                    }
-                    seen.insert(neighbour)
-                };
-                if is_new {
-                    star.push(neighbour);
-                }
-            }
-        }
-        star
+        StarWalk::new(self, vertex).all(self)
     }
 
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices. Where memory is lacking or the control says

@@ -1,0 +1,97 @@
+//! The tetrahedra at a vertex, one after the other, breadth first: a walk that can be left at any time and gone on with.
+
+use rustc_hash::FxHashSet;
+
+use super::topology::{tet_of, Topology, NONE};
+
+/// A walk through the tetrahedra at a vertex, ghosts included. The triangulation must stay as it is meanwhile.
+pub struct StarWalk {
+    vertex: u32,
+    /// Those found, in order; those before `next` have been handed out.
+    star: Vec<u32>,
+    next: usize,
+    /// What `star` holds, once it holds many.
+    seen: FxHashSet<u32>,
+}
+
+/// So many are found faster by looking through them.
+const FEW: usize = 48;
+
+impl StarWalk {
+    /// Starts at the vertex's own tetrahedron, if it has one.
+    pub fn new(topology: &Topology, vertex: u32) -> StarWalk {
+        let first = topology.vertex_tet[vertex as usize];
+        let star = if first == NONE { Vec::new() } else { vec![first] };
+        StarWalk { vertex, star, next: 0, seen: FxHashSet::default() }
+    }
+
+    /// The next one.
+    pub fn next(&mut self, topology: &Topology) -> Option<u32> {
+        let &t = self.star.get(self.next)?;
+        self.next += 1;
+        let tet = topology.tet(t);
+        for slot in 0..4 {
+            if tet.v[slot] == self.vertex {
+                continue;
+            }
+            let neighbour = tet_of(tet.n[slot]);
+            let is_new = if self.star.len() < FEW {
+                !self.star.contains(&neighbour)
+            } else {
+                if self.seen.is_empty() {
+                    self.seen.extend(self.star.iter().copied());
+                }
+                self.seen.insert(neighbour)
+            };
+            if is_new {
+                self.star.push(neighbour);
+            }
+        }
+        Some(t)
+    }
+
+    /// All of them.
+    pub fn all(mut self, topology: &Topology) -> Vec<u32> {
+        self.star.reserve(FEW);
+        while self.next(topology).is_some() {}
+        self.star
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Control, DVec3, Mesh};
+
+    /// A vertex whose star holds nearly everything, and others with small ones.
+    #[test]
+    fn edges_and_faces_are_found_from_whichever_star_is_small() {
+        let mut points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, 50.0)];
+        for k in 0..300 {
+            let (sin, cos) = (f64::from(k) * 2.4).sin_cos();
+            let z = f64::from(k) / 150.0 - 1.0;
+            points.push(DVec3::new(cos * (1.0 - z * z).sqrt(), sin * (1.0 - z * z).sqrt(), z));
+        }
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        let topology = &mesh.triangulation().topology;
+        assert!(topology.star(0).len() > 400);
+        let vertices: Vec<[u32; 4]> = topology.tets.iter().filter(|tet| tet.is_live()).map(|tet| tet.v).collect();
+        let is_there = |some: &[u32]| vertices.iter().any(|v| some.iter().all(|x| v.contains(x)));
+        for a in (0..302).step_by(7) {
+            for b in (0..302).filter(|&b| b != a) {
+                let found = topology.find_edge(a, b);
+                assert_eq!(found.is_some(), is_there(&[a, b]), "{a} {b}");
+                assert!(found.is_none_or(|(t, i, j)| topology.tet(t).v[i] == a && topology.tet(t).v[j] == b));
+                let c = (a + b) % 302;
+                if c != a && c != b {
+                    let found = topology.find_face([a, b, c]);
+                    assert_eq!(found.is_some(), is_there(&[a, b, c]), "{a} {b} {c}");
+                }
+            }
+        }
+        for v in &vertices[..200] {
+            let face = topology.find_face([v[0], v[1], v[2]]);
+            assert!(face.is_some() || v[..3].contains(&super::super::topology::GHOST));
+        }
+    }
+}
