@@ -115,8 +115,10 @@ pub struct Boundary {
     pub(super) room_at: FxHashMap<u32, f64>,
     /// The largest cosine between two segments at each acute vertex.
     pub(super) sharpness: FxHashMap<u32, f64>,
-    /// Vertices have been taken away: some element may be encroached that nothing has queued.
+    /// Some element may be encroached that nothing has queued: vertices have been taken away, or it was refined [lazily](Self::lazy).
     pub(crate) relaxed: bool,
+    /// While the boundary is being refined so, nothing is split because a vertex encroaches upon it: only when a sample does.
+    pub(crate) lazy: bool,
 }
 
 impl Boundary {
@@ -254,27 +256,18 @@ impl Boundary {
     }
 
     /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out.
-    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, mut found: Encroached, demand: Demand) {
-        let is_edge = |[a, b]: [u32; 2]| t.topology.find_edge(a, b).is_some();
-        let is_face = |face: [u32; 3]| t.topology.find_face(face).is_some();
-        found.segments.append(&mut found.lost_segments);
-        found.facets.append(&mut found.lost_facets);
-        let (edges, faces) = (std::mem::take(&mut found.segments), std::mem::take(&mut found.facets));
-        for edge in edges {
-            if !is_edge(edge) {
-                self.missing_segments.push_back(edge);
-            } else if self.vertex_encroaches_segment(t, edge, v) {
-                found.segments.push(edge);
-            }
+    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, found: &mut Encroached, demand: Demand) {
+        debug_assert!(found.taken_segments().all(|[a, b]| t.topology.find_edge(a, b).is_none()));
+        debug_assert!(found.taken_facets().all(|face| t.topology.find_face(face).is_none()));
+        self.missing_segments.extend(found.taken_segments());
+        self.missing_facets.extend(found.taken_facets());
+        if self.lazy {
+            return;
         }
-        for face in faces {
-            if !is_face(face) {
-                self.missing_facets.push_back(face);
-            } else if self.vertex_encroaches_facet(t, face, v) {
-                found.facets.push(face);
-            }
-        }
-        self.enqueue(&found, demand);
+        found.keep_standing();
+        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v));
+        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v));
+        self.enqueue(found, demand);
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
@@ -388,13 +381,20 @@ impl Boundary {
         Ok(())
     }
 
-    /// Queues elements that no other split has brought about. Of these it is demanded that their splits stay within a fraction of the element.
+    /// What is demanded of the split of a subsegment, if a vertex encroaches upon it.
+    pub(crate) fn demand_of_segment(&self, t: &Triangulation, edge: [u32; 2]) -> Option<Demand> {
+        (self.state_of_segment(t, edge) == State::Encroached).then(|| first_demand(t, &edge))
+    }
+
+    /// What is demanded of the split of a subfacet, if a vertex encroaches upon it.
+    pub(crate) fn demand_of_facet(&self, t: &Triangulation, face: [u32; 3]) -> Option<Demand> {
+        (self.state_of_facet(t, face) == State::Encroached).then(|| first_demand(t, &face))
+    }
+
+    /// Queues elements that no other split has brought about.
     fn enqueue_first(&mut self, t: &Triangulation, segments: Vec<[u32; 2]>, facets: Vec<[u32; 3]>) {
-        let demand = |shortest: f64| Demand::of(shortest * FIRST_SPLITS).following();
-        let length = |a: u32, b: u32| t.at(a).distance(t.at(b));
-        let shortest = |[a, b, c]: [u32; 3]| length(a, b).min(length(b, c)).min(length(c, a));
-        self.pending_segments.extend(segments.into_iter().map(|[a, b]| ([a, b], demand(length(a, b)))));
-        self.pending_facets.extend(facets.into_iter().map(|face| (face, demand(shortest(face)))));
+        self.pending_segments.extend(segments.into_iter().map(|edge| (edge, first_demand(t, &edge))));
+        self.pending_facets.extend(facets.into_iter().map(|face| (face, first_demand(t, &face))));
     }
 
     /// Takes the next subsegment that is missing off its queue.
@@ -461,7 +461,7 @@ impl Boundary {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
             if around.is_empty() {
                 self.missing_segments.push_back(edge_key(edge));
-            } else if around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
+            } else if !self.lazy && around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
                 self.pending_segments.push_back((edge_key(edge), demand));
             }
         }
@@ -469,7 +469,7 @@ impl Boundary {
             let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
             if around.is_empty() {
                 self.missing_facets.push_back(face_key(face));
-            } else if around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
+            } else if !self.lazy && around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
                 self.pending_facets.push_back((face_key(face), demand));
             }
         }
@@ -556,6 +556,13 @@ impl Boundary {
         let Boundary { recovering, parts_labels, kept, relaxed, .. } = *self;
         Ok(Boundary { recovering, parts_labels, kept, relaxed, ..copy.keep() })
     }
+}
+
+/// What is demanded of the split of an element that a vertex encroaches upon, and that no other split has brought about: to stay within a fraction of it.
+fn first_demand(t: &Triangulation, corners: &[u32]) -> Demand {
+    let side = |i: usize| t.at(corners[i]).distance(t.at(corners[(i + 1) % corners.len()]));
+    let shortest = (0..corners.len()).map(side).fold(f64::INFINITY, f64::min);
+    Demand::of(shortest * FIRST_SPLITS).following()
 }
 
 /// Segments or facets copied or given back at once.

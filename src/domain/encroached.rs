@@ -32,6 +32,8 @@ pub struct Encroached {
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
+    /// Scratch: the subsegments in the cavity, and whether they stay.
+    inner: FxHashMap<[u32; 2], bool>,
 }
 
 impl Encroached {
@@ -54,6 +56,13 @@ impl Encroached {
     /// The subfacets that would go, encroached or not.
     pub(crate) fn taken_facets(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.going_facets.iter().chain(&self.lost_facets).copied()
+    }
+
+    /// Leaves only those that would not go.
+    pub(super) fn keep_standing(&mut self) {
+        let Encroached { segments, facets, going_segments, going_facets, .. } = self;
+        segments.retain(|edge| going_segments.binary_search(edge).is_err());
+        facets.retain(|face| going_facets.binary_search(face).is_err());
     }
 
     pub(crate) fn clear(&mut self) {
@@ -93,7 +102,8 @@ impl Boundary {
     pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
         found.clear();
         // Whether it stays: one of the faces around the cavity has it.
-        let mut segments: FxHashMap<[u32; 2], bool> = FxHashMap::default();
+        let mut segments = std::mem::take(&mut found.inner);
+        segments.clear();
         let by_labels = self.shows_in_labels(t);
         for &tet in &cavity.tets {
             let Tetrahedron { v, n } = *t.topology.tet(tet);
@@ -138,9 +148,13 @@ impl Boundary {
         }
         if !segments.is_empty() {
             for &face in &cavity.faces {
-                let [a, b, c] = cavity.face(&t.topology, face);
-                for side in [[a, b], [b, c], [c, a]] {
-                    if let Some(stays) = segments.get_mut(&edge_key(side)) {
+                let corners = cavity.face(&t.topology, face);
+                let partners = corners.map(|v| self.subsegments.partners(v));
+                for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                    if !Subsegments::may_hold(corners[i], partners[i], corners[j], partners[j]) {
+                        continue;
+                    }
+                    if let Some(stays) = segments.get_mut(&edge_key([corners[i], corners[j]])) {
                         *stays = true;
                     }
                 }
@@ -156,6 +170,7 @@ impl Boundary {
                 found.lost_segments.push(key);
             }
         }
+        found.inner = segments;
         // Not in the order of storage.
         found.segments.sort_unstable();
         found.facets.sort_unstable();
@@ -165,12 +180,11 @@ impl Boundary {
         found.going_facets.sort_unstable();
     }
 
-    /// Keeps one subsegment and one subfacet, those that `p` encroaches upon most: whose centre is nearest to it, measured by the radius of their balls.
-    /// What else it encroaches upon often needs no split any more when it comes again.
+    /// Keeps one subsegment and one subfacet of those that `p` encroaches upon, whose centres are nearest to it. What else it encroaches upon often needs
+    /// no split any more when it comes again. (Distances measured by the radii of the balls, or longest first, are no better.)
     pub(crate) fn keep_nearest(&self, t: &Triangulation, p: DVec3, found: &mut Encroached) {
-        let depth = |center: DVec3, corner: u32| p.distance_squared(center) / t.at(corner).distance_squared(center);
-        let segment = |&[a, b]: &[u32; 2]| depth(0.5 * t.at(a) + 0.5 * t.at(b), a);
-        let facet = |&[a, b, c]: &[u32; 3]| depth(triangle_circumcenter(t.at(a), t.at(b), t.at(c)), a);
+        let segment = |&[a, b]: &[u32; 2]| p.distance_squared(0.5 * t.at(a) + 0.5 * t.at(b));
+        let facet = |&[a, b, c]: &[u32; 3]| p.distance_squared(triangle_circumcenter(t.at(a), t.at(b), t.at(c)));
         found.segments =
             found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
         found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();

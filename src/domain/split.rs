@@ -92,6 +92,18 @@ impl Boundary {
         self.facets[self.facet_of(face)?].hidden_by(face, p, t.points(), fixed).map(edge_key)
     }
 
+    /// The subfacet that a point of its facet lies in, seen from another one that it does not lie in, and the point moved along the facet's normal until
+    /// it lies on it. Where facets are uneven, that may be on a tetrahedron of which the point itself is not.
+    pub(crate) fn on_the_spot(&self, t: &Triangulation, face: [u32; 3], p: DVec3) -> Option<(DVec3, [u32; 3])> {
+        let planar = &self.facets[self.facet_of(face)?];
+        let fixed = |edge: [u32; 2]| self.subsegments.contains_key(&edge_key(edge));
+        let spot = planar.locate_from(face, p, t.points(), fixed).filter(|&spot| face_key(spot) != face_key(face))?;
+        let [a, b, c] = spot.map(|v| t.at(v));
+        let (normal, up) = ((b - a).cross(c - a), planar.normal());
+        let moved = p + up * ((a - p).dot(normal) / up.dot(normal));
+        moved.is_finite().then_some((moved, spot))
+    }
+
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
     /// when it can't be inserted. `cavity` is that of `p`.
     pub(crate) fn plan_on_facet(
@@ -189,10 +201,8 @@ impl Triangulation {
     }
 
     /// A tetrahedron with this face, finite if there is one.
-    pub(crate) fn face_tetrahedron(&self, [a, b, c]: [u32; 3]) -> Option<u32> {
-        let (t, i, j) = self.topology.find_edge(a, b)?;
-        let with_c = self.topology.around_edge(t, i, j).find(|&(t, _, _)| self.topology.tet(t).slot(c).is_some());
-        with_c.map(|(t, _, _)| self.finite_at(t))
+    pub(crate) fn face_tetrahedron(&self, face: [u32; 3]) -> Option<u32> {
+        self.topology.find_face(face).map(|handle| self.finite_at(tet_of(handle)))
     }
 
     /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now

@@ -1,7 +1,7 @@
 //! Domains of all kinds, each meshed and then checked against its own description: volume, area of each facet, validity, bound.
 
 use crate::geometry::quality::exceeds_radius_edge;
-use crate::refine::Unrefined;
+use crate::refine::{Rule, Sparsify, Unrefined};
 use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcRegion, PlcSegment, RefineOptions, RefineReport};
 
 fn facet(polygon: impl IntoIterator<Item = u32>, marker: i32) -> PlcFacet {
@@ -419,4 +419,30 @@ fn strips_around_a_cylinder_are_cut_together() {
     let (_, volume) = refined_without_rest(&plc);
     let expected = 80.0 * (std::f64::consts::TAU / 80.0).sin();
     assert!((volume / expected - 1.0).abs() < 1e-5, "{volume}, not {expected}");
+}
+
+/// A plate so thin that every vertex encroaches upon what is beside it, with few of its tetrahedra bad.
+#[test]
+fn what_is_encroached_is_split_only_for_samples() {
+    let outline = |n: u32| -> Vec<[f64; 2]> {
+        let at = |k: u32| (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
+        (0..n).map(|k| [40.0 * at(k).1, 40.0 * at(k).0]).collect()
+    };
+    let plate = prism(&outline(24), 6.0);
+    let steiner = |sparsify: Sparsify| {
+        let mut mesh = Mesh::from_plc(&plate, &Control::new()).unwrap();
+        let options = RefineOptions { sparsify: Some(sparsify), ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+        mesh.validate_quality(2.0).unwrap();
+        // Another rule finds what has been left, and goes on with it.
+        let classical = RefineOptions { rule: Rule::Circumcenter, ..RefineOptions::default() };
+        let then = mesh.refine(&classical, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+        (report.steiner, then.segment_splits)
+    };
+    let (all, nothing) = steiner(Sparsify::Off);
+    let (some, rest) = steiner(Sparsify::Moves);
+    assert!(2 * some < all, "{some} of {all}");
+    assert!(nothing == 0 && rest > 0, "{nothing}, {rest}");
 }

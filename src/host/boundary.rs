@@ -321,11 +321,11 @@ impl Boundary {
         Ok(found)
     }
 
-    /// Keeps the one subsegment, or else subfacet, that `p` encroaches upon most: see `domain::boundary`.
+    /// Keeps the one subsegment, or else subfacet, whose centre is nearest to `p`: see `domain::boundary`.
     pub(super) fn keep_nearest(&self, mesh: &Mesh<'_>, p: DVec3, found: &mut Encroached) {
-        let depth = |center: DVec3, corner: u32| p.distance_squared(center) / mesh.at(corner).distance_squared(center);
-        let segment = |&[a, b]: &[u32; 2]| depth(0.5 * mesh.at(a) + 0.5 * mesh.at(b), a);
-        let facet = |&[a, b, c]: &[u32; 3]| depth(triangle_circumcenter(mesh.at(a), mesh.at(b), mesh.at(c)), a);
+        let segment = |&[a, b]: &[u32; 2]| p.distance_squared(0.5 * mesh.at(a) + 0.5 * mesh.at(b));
+        let facet =
+            |&[a, b, c]: &[u32; 3]| p.distance_squared(triangle_circumcenter(mesh.at(a), mesh.at(b), mesh.at(c)));
         found.segments =
             found.segments.iter().copied().min_by(|s, r| segment(s).total_cmp(&segment(r))).into_iter().collect();
         found.facets = found.facets.iter().copied().min_by(|f, g| facet(f).total_cmp(&facet(g))).into_iter().collect();

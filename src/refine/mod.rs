@@ -7,13 +7,15 @@
 //! | `split` | rules 1 and 2 |
 //! | `restore` | recovery of what is missing; each split a transaction |
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
+//! | `near_side` | what samples meet on their own side of the boundary |
 //! | `obstacle` | what stood in the way of samples |
 //! | `off_centre` | where subfacets are split for samples |
 //! | `limits` | seconds and bytes |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
 pub(crate) mod limits;
-pub(crate) mod obstacle;
+pub(crate) mod near_side;
+mod obstacle;
 mod off_centre;
 pub(crate) mod queue;
 pub(crate) mod refiner;

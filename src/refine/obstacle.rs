@@ -70,7 +70,9 @@ impl Obstacles {
                 Element::Segment(edge) => boundary.is_subsegment(edge),
                 Element::Facet(face) => boundary.is_subfacet(face),
             };
-            if !exists || known[..i].contains(&known[i]) || demand.is_some_and(|demand| element.waits(boundary, demand))
+            if !exists
+                || known[..i].contains(&known[i])
+                || demand.is_some_and(|demand| element.asked(t, boundary, demand).is_some())
             {
                 continue;
             }
@@ -102,7 +104,7 @@ fn look_around(
     if !conflicts(start) {
         return None;
     }
-    let stays = |element: Element| !demand.is_some_and(|demand| element.waits(boundary, demand));
+    let stays = |element: Element| !demand.is_some_and(|demand| element.asked(t, boundary, demand).is_some());
     let mut found = vec![start];
     let mut next = 0;
     while next < found.len().min(NEAR) {

@@ -31,30 +31,34 @@ impl Refiner<'_> {
         let normal = u.cross(v);
         let along = |n: DVec3| n.dot(normal) / normal.length_squared();
         let foot = a + u * along(w.cross(v)) + v * along(u.cross(w));
-        let mut widest = self.room_on_facet(flush_tiny(center), start, demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
+        let mut widest =
+            self.room_on_facet(flush_tiny(center), (face, start), demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
         let mut best = None;
         for share in SHARES {
             let p = flush_tiny(center + (foot - center) * share);
             if p.distance_squared(center) >= a.distance_squared(center) {
                 continue;
             }
-            if let Some(room) = self.room_on_facet(p, start, demand).filter(|&room| room > widest) {
+            if let Some(room) = self.room_on_facet(p, (face, start), demand).filter(|&room| room > widest) {
                 (widest, best) = (room, Some(p));
             }
         }
         best
     }
 
-    /// How far a point's nearest vertex is; `None` where it can't be inserted, or subsegments would have to be split before.
-    fn room_on_facet(&mut self, p: DVec3, start: u32, demand: Demand) -> Option<f64> {
-        if !p.is_finite() || self.t.prepare(p, start, &mut self.cavity).is_err() {
+    /// How far the nearest vertex of a point in the facet of `face` is; `None` where it can't be inserted, or subsegments would have to be split before.
+    fn room_on_facet(&mut self, p: DVec3, (face, start): ([u32; 3], u32), demand: Demand) -> Option<f64> {
+        if !p.is_finite() || self.boundary.hides(self.t, face, p).is_some() {
+            return None;
+        }
+        if self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
             return None;
         }
         let room = self.rim_distance(p);
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         self.cavity.clear();
-        let waits = self.encroached.segments.iter().any(|&s| self.boundary.waits_segment(s, demand));
+        let waits = self.encroached.segments.iter().any(|&s| self.can_ask(s, demand));
         (!waits).then_some(room)
     }
 }

@@ -1,13 +1,20 @@
 //! Algorithm 2: while a tetrahedron is bad, the boundary rules first, then a Steiner batch for the shortest edge of the bad tetrahedron whose
 //! shortest edge is shortest.
 //!
-//! Deviation: the paper leaves open what happens to a batch of which one sample meets the boundary. Here the samples before it stay,
+//! Deviations: the paper leaves open what happens to a batch of which one sample meets the boundary. Here the samples before it stay,
 //! the boundary element is split, and the tetrahedron, if it still exists, comes again.
+//!
+//! By rules 1 and 2 a subsegment or subfacet is split as soon as a vertex encroaches upon it. What that is good for is that no sample lies outside
+//! the domain, and none takes a boundary element out. But a sample that does either has, in its cavity, a boundary element that would go: between the
+//! bad tetrahedron, which is in conflict with it, and the place where it lies there is one. So with the sparse rule and a sparsifier what is
+//! encroached stays as it is until it is found so, or until a sample encroaches upon it too. Thin parts, where much is encroached and no
+//! tetrahedron bad, then need no vertices: surfaces of mechanical parts get a half to three quarters of the tetrahedra.
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::limits::Limits;
+use super::near_side::NearSide;
 use super::obstacle::Obstacles;
 use super::queue::{shortest_edge, Queue};
 use super::restore::{Element, Record};
@@ -55,7 +62,7 @@ pub struct Refiner<'a> {
     /// The length of the edge being mended, which the sparsifier wants to know.
     edge: f64,
     /// That edge, for the obstacles.
-    mended: [u32; 2],
+    pub(super) mended: [u32; 2],
     created: Vec<u32>,
     pub(super) cavity: Cavity,
     pub(super) encroached: Encroached,
@@ -75,6 +82,8 @@ pub struct Refiner<'a> {
     pub(super) records: Vec<Record>,
     /// Scratch: what opens when one is taken back.
     pub(super) hole: Hole,
+    /// Scratch: what has been seen of a sample's own side of the boundary.
+    pub(super) near_side: NearSide,
     /// What samples have failed on.
     pub(super) obstacles: Obstacles,
     /// What is asked for of the size of tetrahedra.
@@ -119,6 +128,7 @@ impl<'a> Refiner<'a> {
             progress: 0.0,
             records: Vec::new(),
             hole: Hole::default(),
+            near_side: NearSide::default(),
             obstacles: Obstacles::default(),
             sizes: None,
             spare_boundary: false,
@@ -131,6 +141,13 @@ impl<'a> Refiner<'a> {
 
     /// The whole loop.
     pub fn refine(&mut self, control: &Control) -> Result<RefineStatus, Error> {
+        self.boundary.lazy = self.rule == Rule::Sparse && self.sparsifier.is_some();
+        let status = self.refine_all(control);
+        self.boundary.lazy = false;
+        status
+    }
+
+    fn refine_all(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
         match self.begin(control) {
             Err(Error::Cancelled) => return Ok(RefineStatus::Cancelled),
@@ -205,7 +222,11 @@ impl<'a> Refiner<'a> {
         const BLOCK: usize = 1 << 13;
         self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1, control)?;
         self.boundary.unblock(self.t, control)?;
-        if self.boundary.relaxed {
+        if self.boundary.lazy {
+            self.boundary.pending_segments.clear();
+            self.boundary.pending_facets.clear();
+            self.boundary.relaxed = true;
+        } else if self.boundary.relaxed {
             self.boundary.enqueue_all(self.t, control)?;
             self.boundary.relaxed = false;
         }
@@ -253,7 +274,10 @@ impl<'a> Refiner<'a> {
     pub fn split_facet_in_turn(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
         let split = self.transact(Element::Facet(face), demand)?;
         if let Split::After(segments) = &split {
-            self.boundary.pending_segments.extend(segments.iter().map(|&edge| (edge, demand)));
+            for &edge in segments {
+                let asked = Element::Segment(edge).asked(self.t, self.boundary, demand);
+                self.boundary.pending_segments.extend(asked.map(|demand| (edge, demand)));
+            }
             self.boundary.pending_facets.push_front((face_key(face), demand));
         }
         Ok(split)
@@ -386,13 +410,20 @@ impl<'a> Refiner<'a> {
         if self.obstacles.stop((self.t, self.boundary), self.mended, (start, corners), p, demand) {
             return Ok(Placed::Refused(Unrefined::Boundary));
         }
+        if let Some(demand) = demand.filter(|_| self.boundary.lazy) {
+            if let Some(placed) = self.meets_wall(p, start, demand) {
+                return Ok(placed);
+            }
+        }
         if self.t.prepare(p, start, &mut self.cavity).is_err() {
             self.cavity.clear();
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if !self.encroached.is_empty() {
-            let stays = |element: &Element| !demand.is_some_and(|demand| element.waits(self.boundary, demand));
+            let stays = |element: &Element| {
+                !demand.is_some_and(|demand| element.asked(self.t, self.boundary, demand).is_some())
+            };
             let segments = self.encroached.taken_segments().map(Element::Segment);
             let obstacle = segments.chain(self.encroached.taken_facets().map(Element::Facet)).find(stays);
             // Whatever else were split, the sample could not be inserted.
@@ -406,7 +437,10 @@ impl<'a> Refiner<'a> {
                 let Encroached { segments, facets, lost_segments, lost_facets, .. } = &mut self.encroached;
                 segments.append(lost_segments);
                 facets.append(lost_facets);
-                self.boundary.drop_blocked(&mut self.encroached, demand);
+                let (t, boundary) = (&*self.t, &*self.boundary);
+                let waits = |element: Element| element.asked(t, boundary, demand).is_some();
+                self.encroached.segments.retain(|&s| waits(Element::Segment(s)));
+                self.encroached.facets.retain(|&f| waits(Element::Facet(f)));
                 if !self.encroached.segments.is_empty() {
                     self.encroached.facets.clear();
                 }
@@ -418,7 +452,7 @@ impl<'a> Refiner<'a> {
                         self.given_way = Some((p, self.rim_distance(p)));
                     }
                     self.cavity.clear();
-                    self.boundary.enqueue(&self.encroached, demand);
+                    self.ask(demand);
                     return Ok(Placed::Encroaches);
                 }
             }
@@ -438,6 +472,19 @@ impl<'a> Refiner<'a> {
         let new = self.insert_prepared(p)?;
         self.finish()?;
         Ok(Placed::Inserted(new))
+    }
+
+    /// Queues what a sample with this demand encroaches upon.
+    pub(super) fn ask(&mut self, demand: Demand) {
+        let (t, boundary, found) = (&*self.t, &mut *self.boundary, &self.encroached);
+        for &s in &found.segments {
+            let asked = Element::Segment(s).asked(t, boundary, demand);
+            boundary.pending_segments.extend(asked.map(|demand| (s, demand)));
+        }
+        for &f in &found.facets {
+            let asked = Element::Facet(f).asked(t, boundary, demand);
+            boundary.pending_facets.extend(asked.map(|demand| (f, demand)));
+        }
     }
 
     pub(super) fn insert_prepared(&mut self, p: DVec3) -> Result<u32, Error> {

@@ -21,6 +21,7 @@ use crate::geometry::predicates::orient3d;
 use crate::geometry::{flush_tiny, Sign};
 use crate::triangulation::remove::Replacement;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
+use crate::triangulation::Triangulation;
 use crate::{Control, Error, RefineStatus};
 
 /// So many splits may follow from one. Most need none, few more than ten; but where long strips stand around a cylinder, the first one that is cut
@@ -55,6 +56,22 @@ pub enum Element {
 }
 
 impl Element {
+    /// With what demand a sample can have it split, if at all: with its own, or, where nothing else splits what a vertex encroaches upon, with that of
+    /// such a split.
+    pub fn asked(self, t: &Triangulation, boundary: &Boundary, demand: Demand) -> Option<Demand> {
+        if self.waits(boundary, demand) {
+            return Some(demand);
+        }
+        if !boundary.lazy {
+            return None;
+        }
+        let encroached = match self {
+            Element::Segment(edge) => boundary.demand_of_segment(t, edge),
+            Element::Facet(face) => boundary.demand_of_facet(t, face),
+        };
+        encroached.filter(|&demand| self.waits(boundary, demand))
+    }
+
     /// Whether it exists and its split is not known to miss the demand.
     pub fn waits(self, boundary: &Boundary, demand: Demand) -> bool {
         match self {

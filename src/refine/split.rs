@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::refiner::Refiner;
+use super::restore::Element;
 use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
@@ -69,7 +70,7 @@ impl Refiner<'_> {
                 let after = demand.following();
                 let pending = self.pending();
                 self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
-                self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
+                self.boundary.enqueue_for(self.t, new, &mut self.encroached, after);
                 self.sort_pending(pending);
                 self.finish()?;
                 self.segment_splits += 1;
@@ -87,10 +88,29 @@ impl Refiner<'_> {
             FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand).unwrap_or(flush_tiny(p)), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
         };
+        let split = self.split_facet_at(face, (p, start_triangle), demand)?;
+        if split != Split::Blocked || !self.boundary.recovering {
+            return Ok(split);
+        }
+        // What is missing has to be split. Another tetrahedron may stand between the point and what is to be split, because the facet is uneven.
+        if let Some(edge) = self.boundary.hides(self.t, start_triangle, p) {
+            return Ok(self.after(face, vec![edge], demand));
+        }
+        let Some((p, spot)) = self.boundary.on_the_spot(self.t, start_triangle, p) else { return Ok(split) };
+        self.split_facet_at(face, (flush_tiny(p), spot), demand)
+    }
+
+    /// [`split_facet`](Self::split_facet) at `p`, whose circle in the facet the triangle `start_triangle` is in conflict with.
+    fn split_facet_at(
+        &mut self,
+        face: [u32; 3],
+        (p, start_triangle): (DVec3, [u32; 3]),
+        demand: Demand,
+    ) -> Result<Split, Error> {
         // A point beyond a subsegment can't be inserted before that has been split. Its cavity may be huge: better not to look for it.
         let hidden = if self.boundary.recovering { None } else { self.boundary.hides(self.t, start_triangle, p) };
-        if hidden.is_some_and(|edge| !self.boundary.waits_segment(edge, demand)) {
-            return Ok(self.block_facet(face, NEVER));
+        if let Some(edge) = hidden.filter(|&edge| self.boundary.lazy || !self.can_ask(edge, demand)) {
+            return Ok(self.after(face, vec![edge], demand));
         }
         let corners = face.map(|v| self.t.at(v));
         let found = self.t.face_tetrahedron(face);
@@ -105,7 +125,7 @@ impl Refiner<'_> {
         }
         let segments: Vec<[u32; 2]> =
             self.encroached.segments.iter().chain(&self.encroached.lost_segments).copied().collect();
-        if segments.iter().any(|&s| self.boundary.waits_segment(s, demand)) {
+        if segments.iter().any(|&s| self.can_ask(s, demand)) {
             return Ok(self.after(face, segments, demand));
         }
         // The planar triangulation first: it may refuse the point.
@@ -129,7 +149,7 @@ impl Refiner<'_> {
         let after = demand.following();
         let pending = self.pending();
         self.boundary.facet_changed(self.t, new, *facet, change, &self.cavity.created, after);
-        self.boundary.enqueue_for(self.t, new, std::mem::take(&mut self.encroached), after);
+        self.boundary.enqueue_for(self.t, new, &mut self.encroached, after);
         self.sort_pending(pending);
         self.finish()?;
         self.facet_splits += 1;
@@ -152,9 +172,14 @@ impl Refiner<'_> {
         }
     }
 
+    /// Whether a split with this demand can have a subsegment split before it.
+    pub(super) fn can_ask(&self, edge: [u32; 2], demand: Demand) -> bool {
+        Element::Segment(edge).asked(self.t, self.boundary, demand).is_some()
+    }
+
     /// Tells that subsegments must be split before a subfacet, or gives the subfacet up when none of them can be.
     fn after(&mut self, face: [u32; 3], mut segments: Vec<[u32; 2]>, demand: Demand) -> Split {
-        segments.retain(|&s| self.boundary.waits_segment(s, demand));
+        segments.retain(|&s| self.can_ask(s, demand));
         if segments.is_empty() {
             return self.block_facet(face, NEVER);
         }

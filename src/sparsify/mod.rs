@@ -88,7 +88,7 @@ impl Effort {
     fn of(level: Sparsify) -> Effort {
         match level {
             Sparsify::Off | Sparsify::Moves => Effort {
-                neighbours: 1,
+                neighbours: 2,
                 remaining: 0,
                 alone: 3,
                 obstacles: 8,

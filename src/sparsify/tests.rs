@@ -82,7 +82,7 @@ fn check(mesh: &Mesh, plc: &Plc, beta: f64) {
 fn refined(plc: &Plc, options: &RefineOptions) -> (Mesh, crate::RefineReport) {
     let mut mesh = Mesh::from_plc(plc, &Control::new()).unwrap();
     let report = mesh.refine(options, &Control::new()).unwrap();
-    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0), "{options:?}: {report:?}");
     (mesh, report)
 }
 

@@ -1,0 +1,159 @@
+//! What a sample meets on the near side of the boundary: a look at its cavity as far as subfacets let see from the bad tetrahedron.
+//!
+//! Where the boundary is coarse, samples often lie beyond it, or take a piece of it out. Then it is split, and of the cavity only the part on this side
+//! tells where. The other part may be far larger: outside a domain tetrahedra are long, and many are cospherical.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use super::refiner::{Placed, Refiner};
+use super::restore::Element;
+use super::Unrefined;
+use crate::domain::pending::Demand;
+use crate::domain::Boundary;
+use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::geometry::predicates::orient3d;
+use crate::geometry::quality::EDGES;
+use crate::geometry::Sign;
+use crate::triangulation::topology::{tet_of, GHOST, NONE};
+use crate::triangulation::Triangulation;
+
+/// Parts with more tetrahedra are left to the search for the whole cavity.
+const LARGE: usize = 256;
+
+/// The part of a cavity on one side of the boundary.
+#[derive(Debug, Default)]
+pub struct NearSide {
+    /// Whether tetrahedra are in conflict with the sample.
+    known: FxHashMap<u32, bool>,
+    /// Those that are.
+    tets: Vec<u32>,
+}
+
+impl Refiner<'_> {
+    /// What becomes of a sample at `p` beyond a subfacet that can be seen from tetrahedron `start`: what it takes out or encroaches upon on the near side is queued,
+    /// the nearest of it, or the sample is refused. `None` when there is no such subfacet, or that can't be told so.
+    pub(super) fn meets_wall(&mut self, p: DVec3, start: u32, demand: Demand) -> Option<Placed> {
+        let Refiner { t, boundary, encroached, near_side, .. } = self;
+        let (t, boundary) = (&**t, &**boundary);
+        let on_boundary = |&v: &u32| v != GHOST && boundary.kind(v) != 0;
+        let corners = t.topology.tet(start).v;
+        if !corners.iter().any(on_boundary) || !is_beyond((t, boundary), start, p) {
+            return None;
+        }
+        let NearSide { known, tets } = near_side;
+        known.clear();
+        tets.clear();
+        encroached.clear();
+        let mut filter = t.filter.clone();
+        filter.extend(p);
+        let mut conflicts = |tet: u32| *known.entry(tet).or_insert_with(|| t.conflicts(&filter, tet, p));
+        if !conflicts(start) {
+            return None;
+        }
+        tets.push(start);
+        let (mut next, mut takes, mut obstacle) = (0, false, None);
+        'search: while next < tets.len() {
+            if tets.len() > LARGE {
+                return None;
+            }
+            let tet = tets[next];
+            next += 1;
+            let v = t.topology.tet(tet).v;
+            for slot in 0..4 {
+                let across = tet_of(t.topology.tet(tet).n[slot]);
+                let Some(face) = boundary.subfacet_at(t, tet, slot) else {
+                    if conflicts(across) && !tets.contains(&across) {
+                        tets.push(across);
+                    }
+                    continue;
+                };
+                let goes = conflicts(across);
+                let element = Element::Facet(face);
+                if goes && element.asked(t, boundary, demand).is_none() {
+                    obstacle = Some(element);
+                    break 'search;
+                }
+                takes |= goes;
+                if goes || encroaches_facet(face.map(|v| t.at(v)), p) {
+                    encroached.facets.push(face);
+                }
+            }
+            if v.iter().filter(|v| on_boundary(v)).count() < 2 {
+                continue;
+            }
+            for [i, j] in EDGES {
+                let Some(edge) = boundary.subsegment_at(t, tet, [i, j]) else { continue };
+                if encroached.segments.contains(&edge) {
+                    continue;
+                }
+                let goes = t.topology.around_edge(tet, i, j).all(|(around, _, _)| conflicts(around));
+                let element = Element::Segment(edge);
+                if goes && element.asked(t, boundary, demand).is_none() {
+                    obstacle = Some(element);
+                    break 'search;
+                }
+                takes |= goes;
+                if goes || encroaches_segment(edge.map(|v| t.at(v)), p) {
+                    encroached.segments.push(edge);
+                }
+            }
+        }
+        if let Some(obstacle) = obstacle {
+            self.obstacles.note(t, self.mended, corners, obstacle);
+            return Some(Placed::Refused(Unrefined::Boundary));
+        }
+        if !takes {
+            return None;
+        }
+        let room = tets.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(|&v| v != GHOST);
+        let room = room.map(|v| t.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt();
+        let asked = |element: Element| element.asked(t, boundary, demand).is_some();
+        encroached.segments.retain(|&edge| asked(Element::Segment(edge)));
+        encroached.facets.retain(|&face| asked(Element::Facet(face)));
+        // Not in the order of storage.
+        encroached.segments.sort_unstable();
+        encroached.facets.sort_unstable();
+        encroached.facets.dedup();
+        if !encroached.segments.is_empty() {
+            encroached.facets.clear();
+        }
+        boundary.keep_nearest(t, p, encroached);
+        self.given_way = Some((p, room));
+        self.ask(demand);
+        Some(Placed::Encroaches)
+    }
+}
+
+/// Whether a walk from a tetrahedron to `p` ends at a subfacet: there is no face but subfacets beyond which `p` lies.
+fn is_beyond((t, boundary): (&Triangulation, &Boundary), start: u32, p: DVec3) -> bool {
+    /// Near samples are some steps away.
+    const STEPS: usize = 64;
+    let (mut tet, mut from) = (start, NONE);
+    for _ in 0..STEPS {
+        if t.topology.tet(tet).is_ghost() {
+            return false;
+        }
+        let corners = t.corners(tet);
+        let (mut wall, mut next) = (false, None);
+        for slot in 0..4 {
+            let across = tet_of(t.topology.tet(tet).n[slot]);
+            let mut moved = corners;
+            moved[slot] = p;
+            let [a, b, c, d] = moved;
+            if across == from || orient3d(a, b, c, d) != Sign::Negative {
+                continue;
+            }
+            if boundary.subfacet_at(t, tet, slot).is_some() {
+                wall = true;
+            } else {
+                next = Some(across);
+            }
+        }
+        match next {
+            Some(across) => (tet, from) = (across, tet),
+            None => return wall,
+        }
+    }
+    false
+}
