@@ -232,7 +232,9 @@
 #define WSP_RULE_CIRCUMCENTER 2
 
 /**
- * As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result.
+ * As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result. Unless its WSP_SPARSIFY level is OFF, segments and facets are not split because
+ * a vertex encroaches upon them (lies in the smallest ball around a piece), but when a Steiner point is due that does so, too, or would take the piece
+ * out of the mesh. Thin parts need far fewer vertices so.
  */
 #define WSP_RULE_SPARSE 3
 
@@ -257,8 +259,8 @@
 #define WSP_SPARSIFY_THOROUGH 3
 
 /**
- * Nothing is taken away from what stands; but instead of inserting a sample its nearest Steiner point is moved where one place serves
- * both, if that is found at next to no cost.
+ * Nothing is taken away from what stands; but instead of inserting a sample one of the two Steiner points nearest to it is moved where
+ * one place serves both, if that is found at next to no cost.
  */
 #define WSP_SPARSIFY_MOVES 4
 

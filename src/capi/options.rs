@@ -12,7 +12,9 @@ pub type wsp_rule = u32;
 pub const WSP_RULE_PAPER: u32 = 1;
 /// One circumcentre at a time: the classical method, for comparison.
 pub const WSP_RULE_CIRCUMCENTER: u32 = 2;
-/// As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result.
+/// As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result. Unless its WSP_SPARSIFY level is OFF, segments and facets are not split because
+/// a vertex encroaches upon them (lies in the smallest ball around a piece), but when a Steiner point is due that does so, too, or would take the piece
+/// out of the mesh. Thin parts need far fewer vertices so.
 pub const WSP_RULE_SPARSE: u32 = 3;
 
 /// How hard to try to do with fewer Steiner points: one of the WSP_SPARSIFY_ constants.
@@ -26,8 +28,8 @@ pub const WSP_SPARSIFY_OFF: u32 = 1;
 pub const WSP_SPARSIFY_QUICK: u32 = 2;
 /// More is tried: three to five times the time, for about a tenth fewer Steiner points.
 pub const WSP_SPARSIFY_THOROUGH: u32 = 3;
-/// Nothing is taken away from what stands; but instead of inserting a sample its nearest Steiner point is moved where one place serves
-/// both, if that is found at next to no cost.
+/// Nothing is taken away from what stands; but instead of inserting a sample one of the two Steiner points nearest to it is moved where
+/// one place serves both, if that is found at next to no cost.
 pub const WSP_SPARSIFY_MOVES: u32 = 4;
 
 pub(super) fn sparsify(value: wsp_sparsify) -> Result<Option<Sparsify>, Failure> {

@@ -42,8 +42,8 @@ use forecast::{Demand, Forecast};
 pub enum Sparsify {
     /// The sampler alone: Steiner points stay where they are put.
     Off,
-    /// Nothing is taken away from what stands. But instead of inserting a sample its nearest Steiner point is moved where one place serves both, if that is found
-    /// at next to no cost.
+    /// Nothing is taken away from what stands. But instead of inserting a sample one of the two Steiner points nearest to it is moved where one place
+    /// serves both, if that is found at next to no cost.
     Moves,
     /// What is found at little cost: most of what can be had, in two to four times the time without.
     #[default]
