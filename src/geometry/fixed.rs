@@ -1,13 +1,13 @@
 //! The predicates in whole numbers: an exact stage for points whose coordinates are multiples of one power of two, 62 bits of it.
 //!
-//! Grids with a spacing that is no power of two are like that: rounding leaves their cospherical points on or very near common spheres, where
-//! no filter decides, and expansion arithmetic is slow. Here the width of every number is known beforehand, so that there are neither
+//! Grids with a spacing that is no power of two are like that, and the five points of most calls: rounding leaves cospherical points of grids, and of
+//! rotated parts, on or very near common spheres, where no filter decides, and expansion arithmetic is slow. Here the width of every number is known beforehand, so that there are neither
 //! loops nor branches: with differences of 62 bits minors have 125 bits, volumes 189, squared lengths 126 and the in-sphere
 //! determinant 317, all with their signs.
 
 use glam::DVec3;
 
-use super::predicates::Sign;
+use super::predicates::{divisor, Sign};
 
 /// Coordinates are less than so many units.
 pub(super) const MAX_UNITS: f64 = (1u64 << 61) as f64;
@@ -27,6 +27,18 @@ impl FixedPoint {
     pub fn new(unit: f64, greatest: f64) -> Option<FixedPoint> {
         let per_one = 1.0 / unit;
         (per_one.is_normal() && greatest * per_one < MAX_UNITS).then_some(FixedPoint { per_one })
+    }
+
+    /// The arithmetic for these points alone. Most coordinates that are nothing special have 53 bits and differ by some powers of two, so that it is there for
+    /// most points even where a few others are too near to a coordinate plane for an arithmetic for all.
+    #[inline]
+    pub fn of<const N: usize>(points: [DVec3; N]) -> Option<FixedPoint> {
+        let (mut unit, mut greatest) = (f64::INFINITY, 0.0f64);
+        for p in points {
+            unit = unit.min(divisor(p.x)).min(divisor(p.y)).min(divisor(p.z));
+            greatest = greatest.max(p.abs().max_element());
+        }
+        FixedPoint::new(unit, greatest)
     }
 
     /// `p − origin` in units. Exact: multiplication by a power of two rounds nothing.
@@ -165,6 +177,7 @@ impl Sum {
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::circumsphere::circumcenter;
     use super::super::exact::{self, Dyadic, Scalar};
     use super::super::predicates;
     use super::*;
@@ -223,6 +236,35 @@ mod tests {
             let [a, b, c, d, e] = picks.map(corner);
             agree([a, b, c, d], e);
         }
+    }
+
+    proptest! {
+        /// Of points so different that there is no arithmetic for all, five of whose coordinates are near each other have one of their own.
+        #[test]
+        fn of_the_points_at_hand(corners in [near(), near(), near(), near()], p in near(), turns in 0..4usize) {
+            let mut filter = super::super::Filter::for_points(&corners);
+            filter.extend(p);
+            filter.extend(DVec3::splat(1e-30));
+            let (low, high) = filter.bounding_box();
+            prop_assert!(FixedPoint::new(filter.unit(), low.abs().max(high.abs()).max_element()).is_none());
+            prop_assert!(FixedPoint::of([corners[0], corners[1], corners[2], corners[3], p]).is_some());
+            // The last point nearly on the sphere of the others, or as it is.
+            let mut points = [corners[0], corners[1], corners[2], corners[3], p];
+            if turns > 0 {
+                let center = circumcenter(corners[0], corners[1], corners[2], corners[3]);
+                let direction = (p - center).normalize_or(DVec3::X);
+                let there = center + direction * corners[0].distance(center);
+                if there.is_finite() && there.abs().min_element() > 0.25 && there.abs().max_element() < 4.0 {
+                    points[4] = there;
+                }
+            }
+            let [a, b, c, d, p] = points;
+            prop_assert_eq!([filter.orient3d(a, b, c, p), filter.insphere(a, b, c, d, p)], in_rationals([a, b, c, d], p));
+        }
+    }
+
+    fn near() -> impl Strategy<Value = DVec3> {
+        [0.25..4.0, 0.25..4.0, 0.25..4.0].prop_map(DVec3::from_array)
     }
 
     #[test]

@@ -5,8 +5,8 @@
 //!
 //! Before the last stage stand two tests that make grids cheap: when all coordinates are multiples of
 //! one power of two and the differences at hand are small multiples of it, the floating-point
-//! determinant is exact as it stands, zero included; and when no coordinate is more than 61 bits of it, the determinant is
-//! computed in whole numbers (`fixed`).
+//! determinant is exact as it stands, zero included; and when no coordinate is more than 61 bits of it, be it of all points or of
+//! those at hand, the determinant is computed in whole numbers (`fixed`).
 //!
 //! The error constants are Shewchuk's for the same evaluation order, with the permanent replaced by its upper bound.
 
@@ -96,7 +96,7 @@ const MAX_UNIT: f64 = super::range::MAX_MAGNITUDE;
 
 /// The largest power of two that divides `x`.
 #[inline]
-fn divisor(x: f64) -> f64 {
+pub(super) fn divisor(x: f64) -> f64 {
     if x == 0.0 {
         return MAX_UNIT;
     }
@@ -197,7 +197,7 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= ORIENT_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        match self.fixed {
+        match self.fixed.or_else(|| FixedPoint::of([a, b, c, d])) {
             Some(fixed) => fixed.orient3d([a, b, c], d),
             None => orient3d(a, b, c, d),
         }
@@ -224,7 +224,7 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= INSPHERE_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        match self.fixed {
+        match self.fixed.or_else(|| FixedPoint::of([a, b, c, d, p])) {
             Some(fixed) => fixed.insphere([a, b, c, d], p),
             None => insphere(a, b, c, d, p),
         }
