@@ -104,7 +104,7 @@ fn look_around(
     if !conflicts(start) {
         return None;
     }
-    let stays = |element: Element| !demand.is_some_and(|demand| element.asked(t, boundary, demand).is_some());
+    let stays = |element: Element| demand.is_none_or(|demand| element.asked(t, boundary, demand).is_none());
     let mut found = vec![start];
     let mut next = 0;
     while next < found.len().min(NEAR) {

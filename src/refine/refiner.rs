@@ -421,9 +421,8 @@ impl<'a> Refiner<'a> {
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if !self.encroached.is_empty() {
-            let stays = |element: &Element| {
-                !demand.is_some_and(|demand| element.asked(self.t, self.boundary, demand).is_some())
-            };
+            let stays =
+                |element: &Element| demand.is_none_or(|demand| element.asked(self.t, self.boundary, demand).is_none());
             let segments = self.encroached.taken_segments().map(Element::Segment);
             let obstacle = segments.chain(self.encroached.taken_facets().map(Element::Facet)).find(stays);
             // Whatever else were split, the sample could not be inserted.
