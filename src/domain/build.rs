@@ -196,6 +196,8 @@ impl Boundary {
         vertices.extend(constraints.iter().flatten());
         vertices.sort_unstable();
         vertices.dedup();
+        let mut own = constraints.clone();
+        own.sort_unstable();
         // A triangle has no room for a segment between its corners.
         if vertices.len() > 3 {
             for &v in &vertices {
@@ -211,15 +213,18 @@ impl Boundary {
         }
         constraints.sort_unstable();
         constraints.dedup();
-        Outline { vertices, constraints }
+        let mut foreign = constraints.clone();
+        foreign.retain(|edge| own.binary_search(edge).is_err());
+        Outline { vertices, constraints, foreign }
     }
 
     fn add_facet(&mut self, t: &Triangulation, index: usize, facet: &PlcFacet, outline: Outline) -> Result<(), Error> {
         let element = DomainElement::Facet(index);
-        let Outline { vertices, constraints } = outline;
+        let Outline { vertices, constraints, foreign } = outline;
         let points = t.points();
         let normal = facet_normal(points, &vertices).ok_or_else(|| invalid(element, "has no area"))?;
-        let triangles = triangles_within(points, &vertices, &constraints, dominant_axis(normal), &facet.holes);
+        let triangles =
+            triangles_within(points, &vertices, &constraints, &foreign, dominant_axis(normal), &facet.holes);
         let triangles = triangles.map_err(|_| invalid(element, "has sides, or segments in it, that cross"))?;
         let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, points);
         planar.make_delaunay(points, |edge| constraints.binary_search(&edge_key(edge)).is_ok());
@@ -276,4 +281,6 @@ impl Boundary {
 struct Outline {
     vertices: Vec<u32>,
     constraints: Vec<[u32; 2]>,
+    /// Those that are none of its own sides, in order.
+    foreign: Vec<[u32; 2]>,
 }

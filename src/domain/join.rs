@@ -169,7 +169,11 @@ impl Plc {
         let fixed: Vec<[u32; 2]> =
             vertices.iter().flat_map(of).copied().filter(|side| vertices.binary_search(&side[1]).is_ok()).collect();
         let axis = dominant_axis(normal);
-        let Ok(triangles) = triangles_within(&self.points, &vertices, &fixed, axis, &facet.holes) else {
+        let mut own: Vec<[u32; 2]> = sides(facet).collect();
+        own.sort_unstable();
+        let mut foreign = fixed.clone();
+        foreign.retain(|side| own.binary_search(side).is_err());
+        let Ok(triangles) = triangles_within(&self.points, &vertices, &fixed, &foreign, axis, &facet.holes) else {
             return Vec::new();
         };
         let mut planar = FacetTriangulation::new(&triangles, normal, 0, &self.points);

@@ -66,11 +66,13 @@ pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3, extent: f64)
     off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > planarity(size, extent))
 }
 
-/// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed.
+/// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed. Of the `constraints`
+/// the `foreign` ones, in order, are sides of nothing here: what is outside is on both sides of them.
 pub fn triangles_within(
     points: &[DVec3],
     vertices: &[u32],
     constraints: &[[u32; 2]],
+    foreign: &[[u32; 2]],
     axis: usize,
     holes: &[DVec3],
 ) -> Result<Vec<[u32; 3]>, PlanarDefect> {
@@ -99,6 +101,10 @@ pub fn triangles_within(
         }
         planar.add_constraint(from, to);
     }
+    let is_side = |edge: spade::handles::DirectedEdgeHandle<_, _, spade::CdtEdge<()>, ()>| {
+        let ends = edge.vertices().map(|v| vertex_of[&v.fix()]);
+        edge.is_constraint_edge() && foreign.binary_search(&super::boundary::edge_key(ends)).is_err()
+    };
     let mut outside = vec![false; planar.num_all_faces()];
     let mut queue = vec![planar.outer_face().fix()];
     for &hole in holes {
@@ -106,14 +112,14 @@ pub fn triangles_within(
             // Any edge knows its face in the form that includes the outer one.
             PositionInTriangulation::OnFace(face) => queue.push(planar.face(face).adjacent_edge().face().fix()),
             // A diagonal of the hole, which is on neither of its triangles. On a side of the facet a seed means nothing.
-            PositionInTriangulation::OnEdge(edge) if !planar.directed_edge(edge).is_constraint_edge() => {
+            PositionInTriangulation::OnEdge(edge) if !is_side(planar.directed_edge(edge)) => {
                 queue.push(planar.directed_edge(edge).face().fix());
             }
             _ => {}
         }
     }
     let neighbours: FxHashMap<_, Vec<_>> = planar.directed_edges().fold(FxHashMap::default(), |mut map, edge| {
-        if !edge.is_constraint_edge() {
+        if !is_side(edge) {
             map.entry(edge.face().fix()).or_insert_with(Vec::new).push(edge.rev().face().fix());
         }
         map
@@ -144,7 +150,7 @@ pub fn triangles_of_facet(points: &[DVec3], facet: &super::plc::PlcFacet) -> Opt
     sides.sort_unstable();
     sides.dedup();
     let axis = super::facet::dominant_axis(facet_normal(points, &vertices)?);
-    Some((axis, triangles_within(points, &vertices, &sides, axis, &facet.holes).ok()?))
+    Some((axis, triangles_within(points, &vertices, &sides, &[], axis, &facet.holes).ok()?))
 }
 
 /// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.
@@ -175,7 +181,7 @@ pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]
             }
         }
     }
-    let Ok(triangles) = triangles_within(points, &vertices, &constraints, axis, &[]) else { return Vec::new() };
+    let Ok(triangles) = triangles_within(points, &vertices, &constraints, &[], axis, &[]) else { return Vec::new() };
     let side_of = |a: u32, b: u32, c: u32| {
         crate::geometry::predicates::orient2d(axis, points[a as usize], points[b as usize], points[c as usize])
     };
@@ -204,7 +210,7 @@ fn triangles_of(points: &[DVec3], polygon: &[u32], axis: usize) -> Result<Vec<[u
         (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])).collect();
     sides.sort_unstable();
     sides.dedup();
-    triangles_within(points, &vertices, &sides, axis, &[])
+    triangles_within(points, &vertices, &sides, &[], axis, &[])
 }
 
 #[cfg(test)]
@@ -219,7 +225,7 @@ mod tests {
         let points: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
         let vertices: Vec<u32> = (0..8).collect();
         let sides: Vec<[u32; 2]> = (0..4).flat_map(|i| [[i, (i + 1) % 4], [4 + i, 4 + (i + 1) % 4]]).collect();
-        let count = |holes: &[DVec3]| triangles_within(&points, &vertices, &sides, 2, holes).unwrap().len();
+        let count = |holes: &[DVec3]| triangles_within(&points, &vertices, &sides, &[], 2, holes).unwrap().len();
         assert_eq!(count(&[]), 10);
         assert_eq!(count(&[DVec3::new(2.0, 2.0, 0.0)]), 8);
         assert_eq!(count(&[DVec3::new(2.5, 1.75, 0.0)]), 8);

@@ -446,3 +446,28 @@ fn what_is_encroached_is_split_only_for_samples() {
     assert!(2 * some < all, "{some} of {all}");
     assert!(nothing == 0 && rest > 0, "{nothing}, {rest}");
 }
+
+/// The bottom is a U and what fills its notch, whose sides join corners of the U: from outside the U they were taken for its own, and it covered the
+/// notch, too. Two large facets of fandisk_large.off overlapped so, and its recovery did not end.
+#[test]
+fn a_notch_that_other_facets_fill_stays_out() {
+    let u = [[0., 0.], [3., 0.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.]];
+    let outline: Vec<[f64; 2]> = u[..3].iter().chain(&u[3..4]).chain(&u[6..]).copied().collect();
+    let mut plc = Plc::default();
+    add(&mut plc, &u.map(|[x, y]| [x, y, 0.0]));
+    let top = add(&mut plc, &[0.0; 6].map(|_| [0.0; 3]));
+    for (i, &[x, y]) in outline.iter().enumerate() {
+        plc.points[top as usize + i] = DVec3::new(x, y, 2.0);
+    }
+    // Around the top: corners 0, 1, 2, 3, 6, 7 of the bottom.
+    let below = [0, 1, 2, 3, 6, 7];
+    plc.facets.push(facet(0..8, 1));
+    plc.facets.push(facet([3, 6, 5], 2));
+    plc.facets.push(facet([3, 5, 4], 3));
+    plc.facets.push(facet(top..top + 6, 4));
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        plc.facets.push(facet([below[i], below[j], top + j as u32, top + i as u32], 5));
+    }
+    meshed(&plc, 2.0, 18.0);
+}

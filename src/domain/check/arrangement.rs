@@ -190,7 +190,7 @@ impl Arrangement {
             defects.push(PlcDefect::new(PlcDefectKind::NotPlanar, [element], place(v)).measured(off));
             return;
         }
-        match triangles_within(&self.points, &vertices, &sides, dominant_axis(normal), &facet.holes) {
+        match triangles_within(&self.points, &vertices, &sides, &[], dominant_axis(normal), &facet.holes) {
             Ok(triangles) => self.triangles.extend(triangles.into_iter().map(|t| (t, index as u32))),
             Err(PlanarDefect::Range(v) | PlanarDefect::Crossing([v, _]) | PlanarDefect::SamePlace(v, _)) => {
                 defects.push(PlcDefect::new(PlcDefectKind::CrossingSides, [element], place(v)));
