@@ -14,7 +14,8 @@ pub const WSP_RULE_PAPER: u32 = 1;
 pub const WSP_RULE_CIRCUMCENTER: u32 = 2;
 /// As WSP_RULE_PAPER with fewer and wider pieces: the sparsest result. Unless its WSP_SPARSIFY level is OFF, segments and facets are not split because
 /// a vertex encroaches upon them (lies in the smallest ball around a piece), but when a Steiner point is due that does so, too, or would take the piece
-/// out of the mesh. Thin parts need far fewer vertices so.
+/// out of the mesh. Thin parts need far fewer vertices so. It is not so in
+/// steps, nor where sizes are limited.
 pub const WSP_RULE_SPARSE: u32 = 3;
 
 /// How hard to try to do with fewer Steiner points: one of the WSP_SPARSIFY_ constants.

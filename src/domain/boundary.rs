@@ -259,8 +259,10 @@ impl Boundary {
     pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, found: &mut Encroached, demand: Demand) {
         debug_assert!(found.taken_segments().all(|[a, b]| t.topology.find_edge(a, b).is_none()));
         debug_assert!(found.taken_facets().all(|face| t.topology.find_face(face).is_none()));
-        self.missing_segments.extend(found.taken_segments());
-        self.missing_facets.extend(found.taken_facets());
+        // Not what has been split: it is none any more.
+        let (segments, facets) = (&self.subsegments, &self.subfacets);
+        self.missing_segments.extend(found.taken_segments().filter(|edge| segments.contains_key(edge)));
+        self.missing_facets.extend(found.taken_facets().filter(|face| facets.contains_key(face)));
         if self.lazy {
             return;
         }

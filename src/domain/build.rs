@@ -196,8 +196,9 @@ impl Boundary {
         vertices.extend(constraints.iter().flatten());
         vertices.sort_unstable();
         vertices.dedup();
-        let mut own = constraints.clone();
-        own.sort_unstable();
+        let mut sides = std::mem::take(&mut constraints);
+        sides.sort_unstable();
+        sides.dedup();
         // A triangle has no room for a segment between its corners.
         if vertices.len() > 3 {
             for &v in &vertices {
@@ -213,20 +214,21 @@ impl Boundary {
         }
         constraints.sort_unstable();
         constraints.dedup();
-        let mut foreign = constraints.clone();
-        foreign.retain(|edge| own.binary_search(edge).is_err());
-        Outline { vertices, constraints, foreign }
+        constraints.retain(|edge| sides.binary_search(edge).is_err());
+        Outline { vertices, sides, others: constraints }
     }
 
     fn add_facet(&mut self, t: &Triangulation, index: usize, facet: &PlcFacet, outline: Outline) -> Result<(), Error> {
         let element = DomainElement::Facet(index);
-        let Outline { vertices, constraints, foreign } = outline;
+        let Outline { vertices, sides, others } = outline;
         let points = t.points();
         let normal = facet_normal(points, &vertices).ok_or_else(|| invalid(element, "has no area"))?;
-        let triangles =
-            triangles_within(points, &vertices, &constraints, &foreign, dominant_axis(normal), &facet.holes);
+        let triangles = triangles_within(points, &vertices, &sides, &others, dominant_axis(normal), &facet.holes);
         let triangles = triangles.map_err(|_| invalid(element, "has sides, or segments in it, that cross"))?;
         let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, points);
+        let mut constraints = sides;
+        constraints.extend(others);
+        constraints.sort_unstable();
         planar.make_delaunay(points, |edge| constraints.binary_search(&edge_key(edge)).is_ok());
         let position = self.facets.len() as u32;
         for face in planar.triangles() {
@@ -280,7 +282,7 @@ impl Boundary {
 /// The constraints of a facet's triangulation, and the vertices that it needs for them.
 struct Outline {
     vertices: Vec<u32>,
-    constraints: Vec<[u32; 2]>,
-    /// Those that are none of its own sides, in order.
-    foreign: Vec<[u32; 2]>,
+    sides: Vec<[u32; 2]>,
+    /// Segments between its vertices that are none of its sides.
+    others: Vec<[u32; 2]>,
 }

@@ -24,8 +24,8 @@ pub struct Encroached {
     pub segments: Vec<[u32; 2]>,
     /// Subfacets, vertices in order.
     pub facets: Vec<[u32; 3]>,
-    /// Subsegments that would go from the triangulation without being encroached. That is so near small input angles only, where vertices
-    /// are left in the balls of elements.
+    /// Subsegments that would go from the triangulation without being encroached. That is so where vertices are left in the balls of
+    /// elements: near small input angles, and where the boundary is refined lazily.
     pub lost_segments: Vec<[u32; 2]>,
     /// Subfacets of which the same is true.
     pub lost_facets: Vec<[u32; 3]>,

@@ -171,9 +171,10 @@ impl Plc {
         let axis = dominant_axis(normal);
         let mut own: Vec<[u32; 2]> = sides(facet).collect();
         own.sort_unstable();
-        let mut foreign = fixed.clone();
-        foreign.retain(|side| own.binary_search(side).is_err());
-        let Ok(triangles) = triangles_within(&self.points, &vertices, &fixed, &foreign, axis, &facet.holes) else {
+        own.dedup();
+        let mut others = fixed.clone();
+        others.retain(|side| own.binary_search(side).is_err());
+        let Ok(triangles) = triangles_within(&self.points, &vertices, &own, &others, axis, &facet.holes) else {
             return Vec::new();
         };
         let mut planar = FacetTriangulation::new(&triangles, normal, 0, &self.points);

@@ -2,7 +2,7 @@
 //! Vertices are positions in `points`.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation as _};
 
 use crate::geometry::predicates::collinear;
@@ -66,19 +66,19 @@ pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3, extent: f64)
     off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > planarity(size, extent))
 }
 
-/// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed. Of the `constraints`
-/// the `foreign` ones, in order, are sides of nothing here: what is outside is on both sides of them.
+/// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed. Only `sides`, those of
+/// the polygons, bound what is outside; edges that `others` need in it do not.
 pub fn triangles_within(
     points: &[DVec3],
     vertices: &[u32],
-    constraints: &[[u32; 2]],
-    foreign: &[[u32; 2]],
+    sides: &[[u32; 2]],
+    others: &[[u32; 2]],
     axis: usize,
     holes: &[DVec3],
 ) -> Result<Vec<[u32; 3]>, PlanarDefect> {
     // The commonest facet needs no machinery.
-    if let (&[a, b, c], 3, []) = (vertices, constraints.len(), holes) {
-        if constraints.iter().all(|e| e[0] != e[1] && vertices.contains(&e[0]) && vertices.contains(&e[1])) {
+    if let (&[a, b, c], 3, [], []) = (vertices, sides.len(), others, holes) {
+        if sides.iter().all(|e| e[0] != e[1] && vertices.contains(&e[0]) && vertices.contains(&e[1])) {
             return Ok(vec![[a, b, c]]);
         }
     }
@@ -94,16 +94,22 @@ pub fn triangles_within(
             return Err(PlanarDefect::SamePlace(other, v));
         }
     }
-    for &[a, b] in constraints {
+    // A side that a vertex lies on becomes several edges.
+    let mut bounding: FxHashSet<[u32; 2]> = FxHashSet::default();
+    for (i, &[a, b]) in sides.iter().chain(others).enumerate() {
         let (from, to) = (handle_of[&a], handle_of[&b]);
         if !planar.can_add_constraint(from, to) {
             return Err(PlanarDefect::Crossing([a, b]));
         }
-        planar.add_constraint(from, to);
+        let parts = planar.try_add_constraint(from, to);
+        if i < sides.len() {
+            let ends = |edge| planar.directed_edge(edge).vertices().map(|v| vertex_of[&v.fix()]);
+            bounding.extend(parts.into_iter().map(|edge| super::boundary::edge_key(ends(edge))));
+        }
     }
     let is_side = |edge: spade::handles::DirectedEdgeHandle<_, _, spade::CdtEdge<()>, ()>| {
-        let ends = edge.vertices().map(|v| vertex_of[&v.fix()]);
-        edge.is_constraint_edge() && foreign.binary_search(&super::boundary::edge_key(ends)).is_err()
+        edge.is_constraint_edge()
+            && bounding.contains(&super::boundary::edge_key(edge.vertices().map(|v| vertex_of[&v.fix()])))
     };
     let mut outside = vec![false; planar.num_all_faces()];
     let mut queue = vec![planar.outer_face().fix()];
@@ -231,5 +237,24 @@ mod tests {
         assert_eq!(count(&[DVec3::new(2.5, 1.75, 0.0)]), 8);
         // On a side it says nothing.
         assert_eq!(count(&[DVec3::new(1.0, 2.0, 0.0)]), 10);
+    }
+
+    /// A side that a vertex lies on, as seen along the axis, still bounds; an edge of others does not, in whole or in parts.
+    #[test]
+    fn sides_bound_and_other_edges_do_not() {
+        // A square with a notch from above, down to y = 1; the last vertex is in the middle of the bottom.
+        let corners = [[0., 0.], [3., 0.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.], [1.5, 0.]];
+        let points: Vec<DVec3> = corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect();
+        let vertices: Vec<u32> = (0..9).collect();
+        let sides: Vec<[u32; 2]> = (0..8).map(|i| [i, (i + 1) % 8]).collect();
+        let area = |others: &[[u32; 2]], holes: &[DVec3]| -> f64 {
+            let triangles = triangles_within(&points, &vertices, &sides, others, 2, holes).unwrap();
+            let corners = triangles.into_iter().map(|t| t.map(|v| points[v as usize]));
+            corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).z.abs()).sum()
+        };
+        assert_eq!(area(&[], &[]), 7.0);
+        assert_eq!(area(&[[3, 6], [0, 8], [8, 1]], &[]), 7.0);
+        // Through the notch's corners, from wall to wall: a seed empties both parts.
+        assert_eq!(area(&[[0, 5], [4, 1]], &[DVec3::new(1.5, 0.5, 0.0)]), 0.0);
     }
 }

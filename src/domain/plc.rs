@@ -41,7 +41,7 @@ pub struct PlcFacet {
     /// Closed polygons of positions in [`Plc::points`]; a polygon of two points is a segment
     /// within the facet, one of one point a vertex within it.
     pub polygons: Vec<Vec<u32>>,
-    /// A point in each part of the plane within the polygons that is not part of the facet.
+    /// A point in each part of the plane within the polygons that is not part of the facet. Only the facet's own polygons bound such a part.
     pub holes: Vec<DVec3>,
     /// The caller's own number for it.
     pub marker: i32,

@@ -1,8 +1,8 @@
 //! The predicates in whole numbers: an exact stage for points whose coordinates are multiples of one power of two, 62 bits of it.
 //!
-//! Grids with a spacing that is no power of two are like that, and the five points of most calls: rounding leaves cospherical points of grids, and of
-//! rotated parts, on or very near common spheres, where no filter decides, and expansion arithmetic is slow. Here the width of every number is known beforehand, so that there are neither
-//! loops nor branches: with differences of 62 bits minors have 125 bits, volumes 189, squared lengths 126 and the in-sphere
+//! Grids with a spacing that is no power of two are like that, and the five points of most calls: rounding leaves cospherical points of grids,
+//! and of rotated parts, on or very near common spheres, where no filter decides, and expansion arithmetic is slow. Here the width
+//! of every number is known beforehand, so that there are neither loops nor branches: with differences of 62 bits minors have 125 bits, volumes 189, squared lengths 126 and the in-sphere
 //! determinant 317, all with their signs.
 
 use glam::DVec3;
@@ -239,9 +239,9 @@ mod tests {
     }
 
     proptest! {
-        /// Of points so different that there is no arithmetic for all, five of whose coordinates are near each other have one of their own.
+        /// Of points so different that there is no arithmetic for all, five whose coordinates are near each other have one of their own.
         #[test]
-        fn of_the_points_at_hand(corners in [near(), near(), near(), near()], p in near(), turns in 0..4usize) {
+        fn of_the_points_at_hand(corners in [near(), near(), near(), near()], p in near(), on_sphere in any::<bool>()) {
             let mut filter = super::super::Filter::for_points(&corners);
             filter.extend(p);
             filter.extend(DVec3::splat(1e-30));
@@ -250,7 +250,7 @@ mod tests {
             prop_assert!(FixedPoint::of([corners[0], corners[1], corners[2], corners[3], p]).is_some());
             // The last point nearly on the sphere of the others, or as it is.
             let mut points = [corners[0], corners[1], corners[2], corners[3], p];
-            if turns > 0 {
+            if on_sphere {
                 let center = circumcenter(corners[0], corners[1], corners[2], corners[3]);
                 let direction = (p - center).normalize_or(DVec3::X);
                 let there = center + direction * corners[0].distance(center);

@@ -14,7 +14,7 @@
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
 pub(crate) mod limits;
-pub(crate) mod near_side;
+mod near_side;
 mod obstacle;
 mod off_centre;
 pub(crate) mod queue;

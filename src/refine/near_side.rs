@@ -147,11 +147,13 @@ fn is_beyond((t, boundary): (&Triangulation, &Boundary), start: u32, p: DVec3) -
             if boundary.subfacet_at(t, tet, slot).is_some() {
                 wall = true;
             } else {
-                next = Some(across);
+                // The way must not depend on how tetrahedra are stored.
+                let passed = t.topology.tet(tet).v[slot];
+                next = Some(next.map_or((passed, across), |best: (u32, u32)| best.min((passed, across))));
             }
         }
         match next {
-            Some(across) => (tet, from) = (across, tet),
+            Some((_, across)) => (tet, from) = (across, tet),
             None => return wall,
         }
     }

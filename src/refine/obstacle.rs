@@ -4,7 +4,9 @@
 //! same element. Their cavities are large, where many vertices lie nearly on one sphere. So the element is remembered by the vertices of
 //! the tetrahedron in hand, and the next sample there is tried on it first: a face goes if both tetrahedra at it are in conflict with the
 //! sample, an edge if all around it are, which takes a few in-sphere tests instead of a search for the cavity. Failing that, the part of the cavity
-//! around the tetrahedron is looked through. The answer is the same as the whole cavity's.
+//! around the tetrahedron is looked through. The answer is the same as the whole cavity's, and found before
+//! [`near_side`](super::near_side) looks for what could be split before it: with that first, surfaces of parts get 2 to 6 % more tetrahedra, and
+//! as many are left bad.
 
 use rustc_hash::FxHashMap;
 

@@ -437,9 +437,9 @@ impl<'a> Refiner<'a> {
                 segments.append(lost_segments);
                 facets.append(lost_facets);
                 let (t, boundary) = (&*self.t, &*self.boundary);
-                let waits = |element: Element| element.asked(t, boundary, demand).is_some();
-                self.encroached.segments.retain(|&s| waits(Element::Segment(s)));
-                self.encroached.facets.retain(|&f| waits(Element::Facet(f)));
+                let asked = |element: Element| element.asked(t, boundary, demand).is_some();
+                self.encroached.segments.retain(|&s| asked(Element::Segment(s)));
+                self.encroached.facets.retain(|&f| asked(Element::Facet(f)));
                 if !self.encroached.segments.is_empty() {
                     self.encroached.facets.clear();
                 }

@@ -92,6 +92,7 @@ impl Refiner<'_> {
         if split != Split::Blocked || !self.boundary.recovering {
             return Ok(split);
         }
+        self.boundary.blocked_facets.remove(&face_key(face));
         // What is missing has to be split. Another tetrahedron may stand between the point and what is to be split, because the facet is uneven.
         if let Some(edge) = self.boundary.hides(self.t, start_triangle, p) {
             return Ok(self.after(face, vec![edge], demand));
@@ -100,7 +101,7 @@ impl Refiner<'_> {
         self.split_facet_at(face, (flush_tiny(p), spot), demand)
     }
 
-    /// [`split_facet`](Self::split_facet) at `p`, whose circle in the facet the triangle `start_triangle` is in conflict with.
+    /// [`split_facet`](Self::split_facet) at `p`, which lies in the circle of `start_triangle` in its facet.
     fn split_facet_at(
         &mut self,
         face: [u32; 3],

@@ -180,6 +180,8 @@ impl Mesh {
                 boundary.encroached_by(&self.t, p, &cavity, &mut found);
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);
+                all.segments.append(&mut found.lost_segments);
+                all.facets.append(&mut found.lost_facets);
             }
         }
         boundary.drop_blocked(&mut all, Demand::NONE);

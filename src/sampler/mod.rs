@@ -28,7 +28,7 @@ use facet::{Arc, VoronoiFacet};
 pub enum Rule {
     /// A batch of off-centres for the component of the largest span, with fewer and wider pieces than the paper's: the sparsest.
     /// At levels of [`Sparsify`](crate::Sparsify) above `Off` a boundary element is not split because a vertex encroaches upon it, but when a sample does
-    /// so, too, or would take it out.
+    /// so, too, or would take it out; not in hosts' steps, nor where tetrahedra's sizes are limited.
     #[default]
     Sparse,
     /// §4 of the paper: a batch of off-centres for the component of the largest span.

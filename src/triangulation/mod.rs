@@ -6,7 +6,7 @@
 //! | [`cavity`] | what an insertion would remove and create |
 //! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
-//! | `incident` | the tetrahedra at a vertex
+//! | `incident` | the tetrahedra at a vertex |
 //! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
 //! | `journal` | insertions taken back |
