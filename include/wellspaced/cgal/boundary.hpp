@@ -203,19 +203,16 @@ public:
         sort(found);
     }
 
-    // Keeps the one element that `p` encroaches upon most.
+    // Keeps the one element that `p` encroaches upon whose centre is nearest to it.
     void keep_nearest(const vec& p, encroached& found) const {
-        const auto depth = [&](const vec& center, vertex corner) {
-            return squared_distance(p, center) / squared_distance(at(corner), center);
-        };
-        const auto nearest = [](auto& list, const auto& depth_of) {
+        const auto nearest = [](auto& list, const auto& distance) {
             if (list.size() < 2) return;
-            const auto by = [&](const auto& a, const auto& b) { return depth_of(a) < depth_of(b); };
+            const auto by = [&](const auto& a, const auto& b) { return distance(a) < distance(b); };
             list = {*std::min_element(list.begin(), list.end(), by)};
         };
-        nearest(found.segments, [&](const edge_key& e) { return depth(middle(e), e[0]); });
+        nearest(found.segments, [&](const edge_key& e) { return squared_distance(p, middle(e)); });
         nearest(found.facets, [&](const face_key& f) {
-            return depth(triangle_circumcenter(at(f[0]), at(f[1]), at(f[2])), f[0]);
+            return squared_distance(p, triangle_circumcenter(at(f[0]), at(f[1]), at(f[2])));
         });
     }
 
