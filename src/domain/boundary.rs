@@ -255,7 +255,8 @@ impl Boundary {
         }
     }
 
-    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out.
+    /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out; while
+    /// the boundary is refined lazily only the latter.
     pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, found: &mut Encroached, demand: Demand) {
         debug_assert!(found.taken_segments().all(|[a, b]| t.topology.find_edge(a, b).is_none()));
         debug_assert!(found.taken_facets().all(|face| t.topology.find_face(face).is_none()));

@@ -2,7 +2,8 @@
 //!
 //! Only elements at the cavity of a point have to be asked. A subsegment `ab` that nothing encroaches has its midpoint in its own Voronoi
 //! facet; a point in its diametral ball is nearer to the midpoint, so it cuts the facet, so it conflicts with a
-//! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges.
+//! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges. Of elements that vertices encroach upon, which there are near
+//! small input angles and while the boundary is refined lazily, those are found that the point would take out, and no others matter.
 
 use rustc_hash::FxHashMap;
 

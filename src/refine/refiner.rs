@@ -457,7 +457,7 @@ impl<'a> Refiner<'a> {
             }
             // None of them can be split, none is taken out. The boundary is no worse for a point in the balls of its elements.
         }
-        // A point outside encroaches upon the boundary unless that can't be split any more.
+        // A point outside would take the boundary out, or encroach upon it, unless that can't be split any more.
         // No subfacet goes with the cavity, so it lies on one side of the boundary.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.first().is_some_and(|&t| !self.t.is_inside(t));
         let clearance = self.rim_distance(p);

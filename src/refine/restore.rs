@@ -2,7 +2,7 @@
 //!
 //! That comes before the refinement, which then keeps every subsegment an edge and every subfacet a face, so that no label can leak from one
 //! side of a facet to the other. Near small input angles, or where vertices lie in the balls of elements that could not be
-//! split, a split may take other elements out. So each split is a transaction: what it has taken out is recovered at once by
+//! split, or lazily were not, a split may take other elements out. So each split is a transaction: what it has taken out is recovered at once by
 //! further splits, within the same demand, and if that does not succeed in a few of them, all of them are taken back. With the
 //! perturbation of the kernel the triangulation of a set of points is unique, so that removing the vertices again leads back to
 //! what was there before.

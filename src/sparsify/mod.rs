@@ -13,7 +13,7 @@
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
 //! bad may come at all.
 //!
-//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, which needs no split where all tetrahedra
+//! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, as the refinement with this rule does, which needs no split where all tetrahedra
 //! are good; a later refinement splits them if it has to.
 //!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
