@@ -356,6 +356,15 @@ impl Boundary {
         Ok(())
     }
 
+    /// Forgets what waits to be split and what could not be, for a refinement that goes by samples alone. Another one has to look for it anew.
+    pub(crate) fn forget_waiting(&mut self) {
+        self.blocked_segments.clear();
+        self.blocked_facets.clear();
+        self.pending_segments.clear();
+        self.pending_facets.clear();
+        self.relaxed = true;
+    }
+
     /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation. Nothing has changed when the
     /// control says stop.
     pub(crate) fn enqueue_all(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {

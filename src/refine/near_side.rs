@@ -53,6 +53,11 @@ impl Refiner<'_> {
         }
         tets.push(start);
         let (mut next, mut takes, mut obstacle) = (0, false, None);
+        // Whether an element is an obstacle: the sample would take it out, and it can't be split.
+        let mut stays = |element: Element, goes: bool| {
+            takes |= goes;
+            goes && element.asked(t, boundary, demand).is_none()
+        };
         'search: while next < tets.len() {
             if tets.len() > LARGE {
                 return None;
@@ -69,12 +74,10 @@ impl Refiner<'_> {
                     continue;
                 };
                 let goes = conflicts(across);
-                let element = Element::Facet(face);
-                if goes && element.asked(t, boundary, demand).is_none() {
-                    obstacle = Some(element);
+                if stays(Element::Facet(face), goes) {
+                    obstacle = Some(Element::Facet(face));
                     break 'search;
                 }
-                takes |= goes;
                 if goes || encroaches_facet(face.map(|v| t.at(v)), p) {
                     encroached.facets.push(face);
                 }
@@ -88,12 +91,10 @@ impl Refiner<'_> {
                     continue;
                 }
                 let goes = t.topology.around_edge(tet, i, j).all(|(around, _, _)| conflicts(around));
-                let element = Element::Segment(edge);
-                if goes && element.asked(t, boundary, demand).is_none() {
-                    obstacle = Some(element);
+                if stays(Element::Segment(edge), goes) {
+                    obstacle = Some(Element::Segment(edge));
                     break 'search;
                 }
-                takes |= goes;
                 if goes || encroaches_segment(edge.map(|v| t.at(v)), p) {
                     encroached.segments.push(edge);
                 }
@@ -108,20 +109,11 @@ impl Refiner<'_> {
         }
         let room = tets.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(|&v| v != GHOST);
         let room = room.map(|v| t.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt();
-        let asked = |element: Element| element.asked(t, boundary, demand).is_some();
-        encroached.segments.retain(|&edge| asked(Element::Segment(edge)));
-        encroached.facets.retain(|&face| asked(Element::Facet(face)));
         // Not in the order of storage.
         encroached.segments.sort_unstable();
         encroached.facets.sort_unstable();
         encroached.facets.dedup();
-        if !encroached.segments.is_empty() {
-            encroached.facets.clear();
-        }
-        boundary.keep_nearest(t, p, encroached);
-        self.given_way = Some((p, room));
-        self.ask(demand);
-        Some(Placed::Encroaches)
+        self.give_way(p, room, demand).then_some(Placed::Encroaches)
     }
 }
 

@@ -221,14 +221,14 @@ impl<'a> Refiner<'a> {
         /// Places looked at between two looks at the control.
         const BLOCK: usize = 1 << 13;
         self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1, control)?;
-        self.boundary.unblock(self.t, control)?;
         if self.boundary.lazy {
-            self.boundary.pending_segments.clear();
-            self.boundary.pending_facets.clear();
-            self.boundary.relaxed = true;
-        } else if self.boundary.relaxed {
-            self.boundary.enqueue_all(self.t, control)?;
-            self.boundary.relaxed = false;
+            self.boundary.forget_waiting();
+        } else {
+            self.boundary.unblock(self.t, control)?;
+            if self.boundary.relaxed {
+                self.boundary.enqueue_all(self.t, control)?;
+                self.boundary.relaxed = false;
+            }
         }
         let end = self.t.topology.tets.len();
         for first in (0..end).step_by(BLOCK) {
@@ -420,6 +420,7 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        let clearance = self.rim_distance(p);
         if !self.encroached.is_empty() {
             let stays =
                 |element: &Element| demand.is_none_or(|demand| element.asked(self.t, self.boundary, demand).is_none());
@@ -436,22 +437,8 @@ impl<'a> Refiner<'a> {
                 let Encroached { segments, facets, lost_segments, lost_facets, .. } = &mut self.encroached;
                 segments.append(lost_segments);
                 facets.append(lost_facets);
-                let (t, boundary) = (&*self.t, &*self.boundary);
-                let asked = |element: Element| element.asked(t, boundary, demand).is_some();
-                self.encroached.segments.retain(|&s| asked(Element::Segment(s)));
-                self.encroached.facets.retain(|&f| asked(Element::Facet(f)));
-                if !self.encroached.segments.is_empty() {
-                    self.encroached.facets.clear();
-                }
-                if self.rule == Rule::Sparse {
-                    self.boundary.keep_nearest(self.t, p, &mut self.encroached);
-                }
-                if !(self.encroached.segments.is_empty() && self.encroached.facets.is_empty()) {
-                    if self.rule == Rule::Sparse && self.sparsifier.is_some() {
-                        self.given_way = Some((p, self.rim_distance(p)));
-                    }
+                if self.give_way(p, clearance, demand) {
                     self.cavity.clear();
-                    self.ask(demand);
                     return Ok(Placed::Encroaches);
                 }
             }
@@ -460,7 +447,6 @@ impl<'a> Refiner<'a> {
         // A point outside would take the boundary out, or encroach upon it, unless that can't be split any more.
         // No subfacet goes with the cavity, so it lies on one side of the boundary.
         let leaves = !self.boundary.is_empty() && self.cavity.tets.first().is_some_and(|&t| !self.t.is_inside(t));
-        let clearance = self.rim_distance(p);
         if leaves || clearance < self.min_edge.max(self.demand.length) {
             self.cavity.clear();
             return Ok(Placed::Refused(if leaves { Unrefined::Boundary } else { Unrefined::MinEdge }));
@@ -473,8 +459,31 @@ impl<'a> Refiner<'a> {
         Ok(Placed::Inserted(new))
     }
 
+    /// Queues of what the sample `p` encroaches upon that which can be split as demanded, subsegments before subfacets and with the sparse rule only the
+    /// nearest. False when nothing can be. `room` is the sample's distance from its nearest vertex.
+    pub(super) fn give_way(&mut self, p: DVec3, room: f64, demand: Demand) -> bool {
+        let Refiner { t, boundary, encroached, .. } = self;
+        let asked = |element: Element| element.asked(t, boundary, demand).is_some();
+        encroached.segments.retain(|&s| asked(Element::Segment(s)));
+        encroached.facets.retain(|&f| asked(Element::Facet(f)));
+        if !encroached.segments.is_empty() {
+            encroached.facets.clear();
+        }
+        if self.rule == Rule::Sparse {
+            boundary.keep_nearest(t, p, encroached);
+        }
+        if encroached.segments.is_empty() && encroached.facets.is_empty() {
+            return false;
+        }
+        if self.rule == Rule::Sparse && self.sparsifier.is_some() {
+            self.given_way = Some((p, room));
+        }
+        self.ask(demand);
+        true
+    }
+
     /// Queues what a sample with this demand encroaches upon.
-    pub(super) fn ask(&mut self, demand: Demand) {
+    fn ask(&mut self, demand: Demand) {
         let (t, boundary, found) = (&*self.t, &mut *self.boundary, &self.encroached);
         for &s in &found.segments {
             let asked = Element::Segment(s).asked(t, boundary, demand);

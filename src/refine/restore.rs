@@ -73,7 +73,7 @@ impl Element {
     }
 
     /// Whether it exists and its split is not known to miss the demand.
-    pub fn waits(self, boundary: &Boundary, demand: Demand) -> bool {
+    fn waits(self, boundary: &Boundary, demand: Demand) -> bool {
         match self {
             Element::Segment(edge) => boundary.waits_segment(edge, demand),
             Element::Facet(face) => boundary.waits_facet(face, demand),
