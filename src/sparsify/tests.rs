@@ -395,3 +395,40 @@ fn a_vertex_of_a_facet_that_its_carrier_is_not_on_stays() {
         mesh.validate(3).unwrap();
     }
 }
+
+/// Found by fuzzing: a flat tetrahedron at a slanted hull facet came to lie outside when two vertices gave way to one on a segment, and had the label of the
+/// inside.
+#[test]
+fn a_flat_tetrahedron_that_leaves_the_domain_is_outside() {
+    let points = [
+        [-8.0, 2.9999999999999996, 7.0],
+        [3.9999999999999996, -4.0, -8.000000000000002],
+        [-8.0, 7.0, -7.000000000000001],
+        [-3.0, -7.000000000000001, -7.000000000000001],
+        [-4.000000000000001, -5.0, 2.0],
+        [2.0, 2.0, -4.000000000000001],
+        [6.0, -5.999999999999999, -4.0],
+        [-5.0, -6.0, -6.0],
+        [-4.0, -4.0, -4.0],
+        [-1.0, -1.0, -6.0],
+        [-6.0, -4.0, -7.0],
+        [-8.0, -8.0, -8.0],
+        [-6.0, -6.0, 3.0],
+        [7.0, -8.0, -8.0],
+    ]
+    .map(DVec3::from);
+    for (rule, level) in [
+        (Rule::Paper, Sparsify::Quick),
+        (Rule::Paper, Sparsify::Thorough),
+        (Rule::Circumcenter, Sparsify::Quick),
+        (Rule::Circumcenter, Sparsify::Thorough),
+    ] {
+        let mut mesh = Mesh::new();
+        mesh.insert(&points, None, &Control::new()).unwrap();
+        for max_vertices in [165, usize::MAX] {
+            let options = RefineOptions { rule, max_vertices, sparsify: Some(level), ..RefineOptions::default() };
+            mesh.refine(&options, &Control::new()).unwrap();
+            mesh.validate(3).unwrap_or_else(|defect| panic!("{rule:?}, {level:?}: {defect}"));
+        }
+    }
+}

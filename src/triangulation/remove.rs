@@ -475,8 +475,12 @@ impl Triangulation {
                 for slot in 0..4 {
                     let n = tet.n[slot];
                     if tet.rim >> slot & 1 != 0 {
-                        let inside = faces[n as usize].label;
-                        agree &= *label.get_or_insert(inside) == inside;
+                        let HoleFace { outside, label: inside } = faces[n as usize];
+                        let beyond = self.topology.region[tet_of(outside) as usize];
+                        // What was a wall may be none any more: facets with points beside their planes make way by flat tetrahedra.
+                        let gone = inside != beyond && !is_wall(oriented_face(&tet.v, slot));
+                        let known = if gone { beyond } else { inside };
+                        agree &= *label.get_or_insert(known) == known;
                     } else if coming[tet_of(n) as usize].v[3] != GHOST
                         && number[tet_of(n) as usize] == 0
                         && !is_wall(oriented_face(&tet.v, slot))

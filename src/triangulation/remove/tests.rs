@@ -2,6 +2,7 @@ use proptest::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::*;
+use crate::triangulation::topology::slot_of;
 use crate::Control;
 
 type Cells = Vec<[[u64; 3]; 4]>;
@@ -286,7 +287,14 @@ fn labels_spread_from_the_hole() {
     let mut hole = Hole::default();
     // Inside the one, at the hull, and inside the plane.
     for v in [id(1, 2, 2), id(4, 4, 4), id(0, 2, 3), id(3, 3, 3), id(2, 2, 2), id(2, 3, 1)] {
-        let wall = |face: [u32; 3]| on_plane(&t, face);
+        // The hull parts two labels as well.
+        let on_hull = |face: [u32; 3]| {
+            t.topology.find_face(face).is_some_and(|f| {
+                let beside = tet_of(t.topology.tet(tet_of(f)).n[slot_of(f)]);
+                [tet_of(f), beside].into_iter().any(|tet| t.topology.tet(tet).is_ghost())
+            })
+        };
+        let wall = |face: [u32; 3]| on_plane(&t, face) || on_hull(face);
         t.preview(&Replacement { remove: &[v], add: None }, &wall, &mut hole).unwrap();
         for coming in &hole.coming {
             assert_eq!(coming.label, Some(side(&t, coming.v)), "{:?}", coming.v);
