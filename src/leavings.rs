@@ -1,6 +1,7 @@
 //! Memory given back in pieces. What a million points take the system needs some 30 ms to take back, longer than a cancelled call may go on. So a call
 //! looks at its control between the pieces, and after a cancellation the rest stays with the control, until that is reset or dropped.
 
+use std::collections::VecDeque;
 use std::ops::{Deref, DerefMut};
 
 use crate::Control;
@@ -39,6 +40,30 @@ impl<T: Send> Leavings for Vec<T> {
             self.shrink_to(self.capacity() - piece);
         }
         true
+    }
+}
+
+/// As for a list of plain elements, of elements that own memory: `part` of them at a time, then the list's own.
+pub(crate) fn give_elements_back<T>(list: &mut Vec<T>, part: usize) -> bool {
+    let piece = PIECE / size_of::<T>().max(1);
+    if !list.is_empty() {
+        list.truncate(list.len().saturating_sub(part));
+    } else if list.capacity() > piece {
+        list.shrink_to(list.capacity() - piece);
+    } else {
+        *list = Vec::new();
+        return false;
+    }
+    true
+}
+
+impl<T: Send> Leavings for VecDeque<T> {
+    fn give_back(&mut self) -> bool {
+        // As a list, of which nothing has to be moved unless elements were taken off its front.
+        let mut list = Vec::from(std::mem::take(self));
+        let more = list.give_back();
+        *self = list.into();
+        more
     }
 }
 

@@ -27,6 +27,7 @@ pub mod host;
 mod leavings;
 mod memory;
 pub mod mesh;
+mod parted;
 pub mod refine;
 pub mod sampler;
 mod sorting;

@@ -1,6 +1,8 @@
 //! Memory for what grows with the mesh: where there is none, that is an error of the call and not the end of the process. Lists that stay
 //! small are left to the language, which has no answer to that.
 
+use std::collections::VecDeque;
+
 use crate::leavings::InPieces;
 use crate::{Control, Error};
 
@@ -88,6 +90,21 @@ pub(crate) fn copied_with_room<T: Copy + Send + 'static>(
         list.extend_from_slice(block);
     }
     Ok(list.keep())
+}
+
+/// [`copied`], for a queue.
+pub(crate) fn copied_queue<T: Copy + Send + 'static>(
+    from: &VecDeque<T>,
+    what: &'static str,
+    control: &Control,
+) -> Result<VecDeque<T>, Error> {
+    let (head, tail) = from.as_slices();
+    let mut list = copied_with_room(head, tail.len(), what, control)?;
+    for block in tail.chunks(BLOCK) {
+        control.check()?;
+        list.extend_from_slice(block);
+    }
+    Ok(list.into())
 }
 
 /// Room for so many more elements, and for as many as there are if that is not there yet: what [`reserve`] does, but in pieces, and [`Error::Cancelled`] when the control

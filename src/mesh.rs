@@ -3,13 +3,13 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use crate::domain::plc::{Plc, PlcRegion};
 use crate::domain::Boundary;
 use crate::geometry::extremes::Extremes;
 use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge, in_fours};
 use crate::leavings::{InPieces, Leavings};
+use crate::parted::PartedMap;
 use crate::refine::limits::Limits;
 use crate::refine::queue::shortest_edge;
 use crate::refine::refiner::Refiner;
@@ -21,7 +21,7 @@ use crate::triangulation::Defect;
 use crate::{memory, Control, Error, LogLevel, RefineOptions, RefineReport, RefineStatus, Triangulation};
 
 /// Why tetrahedra were left as they are, by their vertices.
-type Reasons = FxHashMap<[u32; 4], Unrefined>;
+type Reasons = PartedMap<[u32; 4], Unrefined>;
 
 /// Recovery may make so many vertices in any case, and so many more for each vertex and element.
 const RECOVERY_ROOM: usize = 100_000;
@@ -92,7 +92,7 @@ impl Mesh {
 
     /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
     pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        let parts = plc.arrange(control)?;
+        let parts = InPieces::new(plc.arrange(control)?, control);
         let mut mesh = InPieces::new(Mesh::new(), control);
         mesh.set_threads(threads);
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;
@@ -150,7 +150,7 @@ impl Mesh {
         if self.t.dimension() == 3 {
             // The hull's facets are faces already: there is nothing to recover, only to label; encroached parts wait for the refinement.
             *boundary = Boundary::from_hull(&self.t, control)?;
-            boundary.find_room(&self.t);
+            boundary.find_room(&self.t, control)?;
             boundary.enqueue_all(&self.t, control)?;
             boundary.label(&mut self.t, &[], &[], control)?;
         }
@@ -182,7 +182,7 @@ impl Mesh {
             if status == RefineStatus::Cancelled {
                 return Ok(status);
             }
-            boundary.find_room(&self.t);
+            boundary.find_room(&self.t, control)?;
             boundary.enqueue_all(&self.t, control)?;
             boundary.label(&mut self.t, holes, regions, control)?;
         }

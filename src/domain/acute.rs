@@ -10,7 +10,7 @@
 
 use super::boundary::{edge_key, face_key, Boundary, SHARP};
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error};
+use crate::{memory, Control, DVec3, Error};
 
 /// The input element of lowest dimension that a boundary vertex lies on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl Boundary {
         let turns = control.turns();
         let mut sharp = vec![false; self.segments.len()];
         let mut inward: Vec<DVec3> = Vec::new();
-        let mut ends_of: Vec<([u32; 2], u32)> = Vec::with_capacity(self.subsegments.len());
+        let mut ends_of = memory::room_in_pieces(self.subsegments.len(), "segments", control)?;
         for (&[a, b], &segment) in self.subsegments.iter() {
             turns.check()?;
             ends_of.push(([a, b], segment));
@@ -104,7 +104,7 @@ impl Boundary {
             let close = |(i, u): (usize, &DVec3)| inward[..i].iter().any(|v| is_acute(*u, *v));
             sharp[segment as usize] |= inward.len() > 6 || inward.iter().enumerate().any(close);
         }
-        for ([a, b], segment) in ends_of {
+        for &([a, b], segment) in &*ends_of {
             turns.check()?;
             if sharp[segment as usize] {
                 self.mark(a, SHARP);

@@ -3,15 +3,14 @@
 
 use std::collections::VecDeque;
 
-use rustc_hash::FxHashMap;
-
 use super::acute::Carrier;
 pub use super::encroached::Encroached;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
 use super::subsegments::Subsegments;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
-use crate::leavings::{InPieces, Leavings};
+use crate::leavings::{give_elements_back, InPieces, Leavings};
+use crate::parted::PartedMap;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::{Defect, Triangulation};
 use crate::{memory, Control, Error};
@@ -90,7 +89,7 @@ pub struct Boundary {
     /// The segment of each subsegment.
     pub(super) subsegments: Subsegments,
     /// The facet of each subfacet.
-    pub(super) subfacets: FxHashMap<[u32; 3], u32>,
+    pub(super) subfacets: PartedMap<[u32; 3], u32>,
     /// Elements that a split has taken out of the triangulation; those that are there again by their turn are passed over.
     pub(crate) missing_segments: VecDeque<[u32; 2]>,
     pub(crate) missing_facets: VecDeque<[u32; 3]>,
@@ -99,8 +98,8 @@ pub struct Boundary {
     pub(crate) pending_facets: VecDeque<([u32; 3], Demand)>,
     /// Elements whose split was refused, with the length of the shortest edge that it would have made: it can be asked for by something
     /// that is content with such edges. −1 when it can't be at all.
-    pub(crate) blocked_segments: FxHashMap<[u32; 2], f64>,
-    pub(crate) blocked_facets: FxHashMap<[u32; 3], f64>,
+    pub(crate) blocked_segments: PartedMap<[u32; 2], f64>,
+    pub(crate) blocked_facets: PartedMap<[u32; 3], f64>,
     /// While the boundary is being recovered only what is missing is split, not what is encroached.
     pub(crate) recovering: bool,
     /// Each subfacet lies between tetrahedra with different labels.
@@ -110,11 +109,11 @@ pub struct Boundary {
     /// Whether facets meet at less than 60° along each segment.
     pub(super) sharp_segments: Vec<bool>,
     /// The length of the shortest segment at each acute vertex.
-    pub(super) shortest_at: FxHashMap<u32, f64>,
+    pub(super) shortest_at: PartedMap<u32, f64>,
     /// The distance of the nearest vertex to each acute vertex, when the boundary had been recovered.
-    pub(super) room_at: FxHashMap<u32, f64>,
+    pub(super) room_at: PartedMap<u32, f64>,
     /// The largest cosine between two segments at each acute vertex.
-    pub(super) sharpness: FxHashMap<u32, f64>,
+    pub(super) sharpness: PartedMap<u32, f64>,
     /// Some element may be encroached that nothing has queued: vertices have been taken away, or it was refined [lazily](Self::lazy).
     pub(crate) relaxed: bool,
     /// While the boundary is being refined so, nothing is split because a vertex encroaches upon it: only when a sample does.
@@ -326,23 +325,47 @@ impl Boundary {
         None
     }
 
-    /// Takes entries that need no split any more off the front of the queues.
+    /// Takes entries that need no split any more off the front of the queues, as far as the control says go on.
+    pub(crate) fn skip_stale(&mut self, control: &Control) -> Result<(), Error> {
+        while let Some(&(edge, demand)) = self.pending_segments.front() {
+            if self.waits_segment(edge, demand) {
+                break;
+            }
+            control.check()?;
+            self.pending_segments.pop_front();
+        }
+        while let Some(&(face, demand)) = self.pending_facets.front() {
+            if self.waits_facet(face, demand) {
+                break;
+            }
+            control.check()?;
+            self.pending_facets.pop_front();
+        }
+        Ok(())
+    }
+
+    /// [`skip_stale`](Self::skip_stale), to the end.
     pub(crate) fn drop_stale(&mut self) {
-        if let Some(entry) = self.pop_segment() {
-            self.pending_segments.push_front(entry);
-        }
-        if let Some(entry) = self.pop_facet() {
-            self.pending_facets.push_front(entry);
-        }
+        // Nobody cancels it.
+        let _ = self.skip_stale(&Control::new());
+    }
+
+    /// Room for what comes when the triangulation has that of so many vertices, made in pieces.
+    pub(crate) fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        const WHAT: &str = "boundary";
+        let (_, vertices) = t.room();
+        let more = |len: usize| vertices.saturating_sub(len);
+        let (kinds, carriers) = (more(self.kinds.len()), more(self.carriers.len()));
+        memory::grow(&mut self.kinds, kinds, WHAT, control)?;
+        memory::grow(&mut self.carriers, carriers, WHAT, control)?;
+        self.subsegments.grow(vertices, control)
     }
 
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued. Nothing has
     /// changed when the control says stop.
     pub(crate) fn unblock(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let mut segments: Vec<[u32; 2]> = self.blocked_segments.keys().copied().collect();
-        let mut facets: Vec<[u32; 3]> = self.blocked_facets.keys().copied().collect();
-        segments.sort_unstable();
-        facets.sort_unstable();
+        let mut segments = self.blocked_segments.sorted_keys(control)?;
+        let mut facets = self.blocked_facets.sorted_keys(control)?;
         let encroached = State::Encroached;
         let turns = control.turns();
         segments.retain(|e| {
@@ -350,9 +373,9 @@ impl Boundary {
         });
         facets.retain(|f| turns.go_on() && self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
         turns.end()?;
+        self.enqueue_first(t, &segments, &facets, control)?;
         self.blocked_segments.clear();
         self.blocked_facets.clear();
-        self.enqueue_first(t, segments, facets);
         Ok(())
     }
 
@@ -368,28 +391,29 @@ impl Boundary {
     /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation. Nothing has changed when the
     /// control says stop.
     pub(crate) fn enqueue_all(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let (mut segments, mut facets) = (Vec::new(), Vec::new());
-        let (mut missing_segments, mut missing_facets) = (Vec::new(), Vec::new());
-        let turns = control.turns();
-        for (edge, _) in self.subsegments() {
-            turns.check()?;
+        let (mut segments, mut facets) = (InPieces::new(Vec::new(), control), InPieces::new(Vec::new(), control));
+        let mut missing_segments = InPieces::new(Vec::new(), control);
+        let mut missing_facets = InPieces::new(Vec::new(), control);
+        for &edge in &*InPieces::new(self.subsegments.sorted_keys(control)?, control) {
+            // A look each time: an edge or a face of large stars takes its time.
+            control.check()?;
             match self.state_of_segment(t, edge) {
                 State::Missing => missing_segments.push(edge),
                 State::Encroached => segments.push(edge),
                 State::Clear => {}
             }
         }
-        for (face, _) in self.subfacets() {
-            turns.check()?;
+        for &face in &*InPieces::new(self.subfacets.sorted_keys(control)?, control) {
+            control.check()?;
             match self.state_of_facet(t, face) {
                 State::Missing => missing_facets.push(face),
                 State::Encroached => facets.push(face),
                 State::Clear => {}
             }
         }
-        self.missing_segments.extend(missing_segments);
-        self.missing_facets.extend(missing_facets);
-        self.enqueue_first(t, segments, facets);
+        self.enqueue_first(t, &segments, &facets, control)?;
+        self.missing_segments.extend(&*missing_segments);
+        self.missing_facets.extend(&*missing_facets);
         Ok(())
     }
 
@@ -403,10 +427,21 @@ impl Boundary {
         (self.state_of_facet(t, face) == State::Encroached).then(|| first_demand(t, &face))
     }
 
-    /// Queues elements that no other split has brought about.
-    fn enqueue_first(&mut self, t: &Triangulation, segments: Vec<[u32; 2]>, facets: Vec<[u32; 3]>) {
-        self.pending_segments.extend(segments.into_iter().map(|edge| (edge, first_demand(t, &edge))));
-        self.pending_facets.extend(facets.into_iter().map(|face| (face, first_demand(t, &face))));
+    /// Queues elements that no other split has brought about. Nothing has changed when the control says stop.
+    fn enqueue_first(
+        &mut self,
+        t: &Triangulation,
+        segments: &[[u32; 2]],
+        facets: &[[u32; 3]],
+        control: &Control,
+    ) -> Result<(), Error> {
+        let (before, turns) = ((self.pending_segments.len(), self.pending_facets.len()), control.turns());
+        self.pending_segments.extend(segments.iter().map_while(|&e| turns.go_on().then(|| (e, first_demand(t, &e)))));
+        self.pending_facets.extend(facets.iter().map_while(|&f| turns.go_on().then(|| (f, first_demand(t, &f)))));
+        turns.end().inspect_err(|_| {
+            self.pending_segments.truncate(before.0);
+            self.pending_facets.truncate(before.1);
+        })
     }
 
     /// Takes the next subsegment that is missing off its queue.
@@ -427,6 +462,25 @@ impl Boundary {
             }
         }
         None
+    }
+
+    /// Takes entries that are not missing any more off the front of their queues, as far as the control says go on.
+    pub(crate) fn skip_present(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        while let Some(&[a, b]) = self.missing_segments.front() {
+            if self.subsegments.contains_key(&[a, b]) && t.topology.find_edge(a, b).is_none() {
+                break;
+            }
+            control.check()?;
+            self.missing_segments.pop_front();
+        }
+        while let Some(face) = self.missing_facets.front() {
+            if self.subfacets.contains_key(face) && t.topology.find_face(*face).is_none() {
+                break;
+            }
+            control.check()?;
+            self.missing_facets.pop_front();
+        }
+        Ok(())
     }
 
     /// Whether an element may be missing.
@@ -505,9 +559,8 @@ impl Boundary {
 
     /// The bytes of its lists, about.
     pub(crate) fn bytes(&self) -> usize {
-        // A byte of control for each place of a map.
         self.subsegments.bytes()
-            + self.subfacets.capacity() * (size_of::<([u32; 3], u32)>() + 1)
+            + self.subfacets.bytes()
             + self.pending_segments.capacity() * size_of::<([u32; 2], Demand)>()
             + self.pending_facets.capacity() * size_of::<([u32; 3], Demand)>()
             + self.carriers.capacity() * size_of::<Carrier>()
@@ -521,16 +574,21 @@ impl Boundary {
 
     /// [`first_missing`](Self::first_missing), unless the control says stop.
     pub(crate) fn first_missing_within(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
-        let turns = control.turns();
-        let stops = |found: bool| found || !turns.go_on();
-        let segment = self.subsegments().into_iter().find(|&([a, b], _)| stops(t.topology.find_edge(a, b).is_none()));
-        turns.end()?;
-        if let Some((edge, _)) = segment {
-            return Ok(Some(Defect::MissingSubsegment { edge }));
+        let segments = InPieces::new(self.subsegments.sorted_keys(control)?, control);
+        for &[a, b] in &*segments {
+            control.check()?;
+            if t.topology.find_edge(a, b).is_none() {
+                return Ok(Some(Defect::MissingSubsegment { edge: [a, b] }));
+            }
         }
-        let facet = self.subfacets().into_iter().find(|&(face, _)| stops(t.topology.find_face(face).is_none()));
-        turns.end()?;
-        Ok(facet.map(|(face, _)| Defect::MissingSubfacet { face }))
+        let facets = InPieces::new(self.subfacets.sorted_keys(control)?, control);
+        for &face in &*facets {
+            control.check()?;
+            if t.topology.find_face(face).is_none() {
+                return Ok(Some(Defect::MissingSubfacet { face }));
+            }
+        }
+        Ok(None)
     }
 
     /// A copy, unless memory is lacking or the control says stop.
@@ -545,26 +603,22 @@ impl Boundary {
             control.check()?;
             copy.segments.extend_from_slice(part);
         }
-        for part in self.facets.chunks(PART) {
+        for facet in &self.facets {
             control.check()?;
-            copy.facets.extend_from_slice(part);
+            copy.facets.push(facet.try_clone(control)?);
         }
-        copy.subsegments = self.subsegments.clone();
-        control.check()?;
-        copy.subfacets = self.subfacets.clone();
-        control.check()?;
-        copy.missing_segments = self.missing_segments.clone();
-        copy.missing_facets = self.missing_facets.clone();
-        copy.pending_segments = self.pending_segments.clone();
-        copy.pending_facets = self.pending_facets.clone();
-        control.check()?;
-        copy.blocked_segments = self.blocked_segments.clone();
-        copy.blocked_facets = self.blocked_facets.clone();
-        control.check()?;
-        copy.sharp_segments = self.sharp_segments.clone();
-        copy.shortest_at = self.shortest_at.clone();
-        copy.room_at = self.room_at.clone();
-        copy.sharpness = self.sharpness.clone();
+        copy.subsegments = self.subsegments.try_clone(control)?;
+        copy.subfacets = self.subfacets.try_clone(control)?;
+        copy.missing_segments = memory::copied_queue(&self.missing_segments, WHAT, control)?;
+        copy.missing_facets = memory::copied_queue(&self.missing_facets, WHAT, control)?;
+        copy.pending_segments = memory::copied_queue(&self.pending_segments, WHAT, control)?;
+        copy.pending_facets = memory::copied_queue(&self.pending_facets, WHAT, control)?;
+        copy.blocked_segments = self.blocked_segments.try_clone(control)?;
+        copy.blocked_facets = self.blocked_facets.try_clone(control)?;
+        copy.sharp_segments = memory::copied(&self.sharp_segments, WHAT, control)?;
+        copy.shortest_at = self.shortest_at.try_clone(control)?;
+        copy.room_at = self.room_at.try_clone(control)?;
+        copy.sharpness = self.sharpness.try_clone(control)?;
         let Boundary { recovering, parts_labels, kept, relaxed, .. } = *self;
         Ok(Boundary { recovering, parts_labels, kept, relaxed, ..copy.keep() })
     }
@@ -578,17 +632,32 @@ fn first_demand(t: &Triangulation, corners: &[u32]) -> Demand {
 }
 
 /// Segments or facets copied or given back at once.
-const PART: usize = 1 << 10;
+const PART: usize = 1 << 8;
 
 impl Leavings for Boundary {
     fn give_back(&mut self) -> bool {
-        let Boundary { kinds, carriers, segments, facets, .. } = self;
-        if kinds.give_back() || carriers.give_back() {
+        let Boundary { kinds, carriers, segments, facets, subsegments, subfacets, .. } = self;
+        if kinds.give_back() || carriers.give_back() || subsegments.give_back() || subfacets.give_back() {
             return true;
         }
-        segments.truncate(segments.len().saturating_sub(PART));
-        facets.truncate(facets.len().saturating_sub(PART));
-        !(segments.is_empty() && facets.is_empty())
+        let Boundary { missing_segments, missing_facets, pending_segments, pending_facets, .. } = self;
+        if missing_segments.give_back() || missing_facets.give_back() {
+            return true;
+        }
+        if pending_segments.give_back() || pending_facets.give_back() {
+            return true;
+        }
+        let Boundary { blocked_segments, blocked_facets, shortest_at, room_at, sharpness, .. } = self;
+        if blocked_segments.give_back() || blocked_facets.give_back() {
+            return true;
+        }
+        if shortest_at.give_back() || room_at.give_back() || sharpness.give_back() {
+            return true;
+        }
+        // A facet may have very many triangles.
+        facets.last_mut().is_some_and(FacetTriangulation::give_back)
+            || give_elements_back(segments, PART)
+            || give_elements_back(facets, PART)
     }
 }
 

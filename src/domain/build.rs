@@ -4,9 +4,6 @@
 //! polygons remains; it is then made Delaunay by our own circle test, so that where its points are exactly coplanar and
 //! cocircular the facet has the diagonals of the triangulation in space.
 
-use glam::DVec3;
-use rustc_hash::FxHashMap;
-
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, Segment, ACUTE, ON_FACET, ON_SEGMENT};
 use super::check::arrangement::Arrangement;
@@ -16,10 +13,12 @@ use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
 use crate::leavings::InPieces;
+use crate::parted::PartedMap;
 use crate::sorting::sort;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::{Control, DomainElement, Error};
+use crate::{memory, Control, DomainElement, Error};
+use glam::DVec3;
 
 fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {
     Error::InvalidDomain { element, problem: problem.into() }
@@ -34,6 +33,10 @@ impl Boundary {
         control: &Control,
     ) -> Result<Boundary, Error> {
         let mut boundary = InPieces::new(Boundary::default(), control);
+        // Room for as much as there is, or will be soon.
+        boundary.grow_for(t, control)?;
+        memory::reserve(&mut boundary.segments, parts.sides.len(), "segments")?;
+        memory::reserve(&mut boundary.facets, plc.facets.len(), "facets")?;
         let turns = control.turns();
         // All segments first: a facet has to know those that lie in it.
         for segment in &plc.segments {
@@ -48,11 +51,11 @@ impl Boundary {
                 }
             }
         }
-        let neighbours = boundary.neighbours(t, control)?;
+        let spokes = boundary.spokes(control)?;
         for index in 0..plc.facets.len() {
             control.check()?;
-            let outline = boundary.outline(plc, parts, ids, index, &neighbours);
-            boundary.add_facet(t, index, &plc.facets[index], outline)?;
+            let outline = boundary.outline((plc, parts, ids), index, &spokes, control)?;
+            boundary.add_facet(t, index, &plc.facets[index], outline, control)?;
         }
         boundary.find_angles(t, control)?;
         Ok(boundary.keep())
@@ -70,15 +73,15 @@ impl Boundary {
     pub(crate) fn from_hull(t: &Triangulation, control: &Control) -> Result<Boundary, Error> {
         let mut boundary = InPieces::new(Boundary::default(), control);
         let turns = control.turns();
-        let mut ghosts: Vec<u32> = Vec::new();
+        let mut ghosts = InPieces::new(Vec::new(), control);
         for g in t.topology.live() {
             turns.check()?;
             if t.topology.tet(g).is_ghost() {
                 ghosts.push(g);
             }
         }
-        let mut facet_of: FxHashMap<u32, u32> = FxHashMap::default();
-        for &seed in &ghosts {
+        let mut facet_of = InPieces::new(PartedMap::default(), control);
+        for &seed in &*ghosts {
             if facet_of.contains_key(&seed) {
                 continue;
             }
@@ -103,10 +106,15 @@ impl Boundary {
                 }
             }
             // The largest triangle's normal: a slender one's may be lost to rounding.
-            let normals = triangles.iter().map(|&[a, b, c]| (t.at(b) - t.at(a)).cross(t.at(c) - t.at(a)));
-            let normal = normals.max_by(|m, n| m.length_squared().total_cmp(&n.length_squared())).unwrap_or_default();
-            let facet = FacetTriangulation::new(&triangles, normal, 0, t.points());
+            let mut normal = DVec3::ZERO;
+            for &[a, b, c] in &triangles {
+                turns.check()?;
+                let other = (t.at(b) - t.at(a)).cross(t.at(c) - t.at(a));
+                normal = if other.length_squared() >= normal.length_squared() { other } else { normal };
+            }
+            let facet = FacetTriangulation::new(&triangles, normal, 0, t.points(), control)?;
             for &face in &triangles {
+                turns.check()?;
                 boundary.subfacets.insert(face_key(face), index);
                 for v in face {
                     boundary.mark(v, ON_FACET);
@@ -115,12 +123,12 @@ impl Boundary {
             }
             boundary.facets.push(facet);
         }
-        for &ghost in &ghosts {
+        for &ghost in &*ghosts {
             turns.check()?;
             let tet = t.topology.tet(ghost);
             for slot in 0..3 {
                 let across = tet_of(tet.n[slot]);
-                let (mine, other) = (facet_of[&ghost], facet_of[&across]);
+                let (Some(&mine), Some(&other)) = (facet_of.get(&ghost), facet_of.get(&across)) else { continue };
                 if mine < other {
                     let mut ends = tet.v.into_iter().filter(|&v| v != GHOST && v != tet.v[slot]);
                     if let (Some(a), Some(b)) = (ends.next(), ends.next()) {
@@ -162,76 +170,88 @@ impl Boundary {
         }
     }
 
-    /// The vertices that each vertex has segments to, by the first one's id.
-    fn neighbours(&self, t: &Triangulation, control: &Control) -> Result<Vec<Vec<u32>>, Error> {
+    /// The subsegments, from either end, in order.
+    fn spokes<'a>(&self, control: &'a Control) -> Result<InPieces<'a, Vec<[u32; 2]>>, Error> {
         let turns = control.turns();
-        let mut all: Vec<[u32; 2]> = Vec::with_capacity(self.subsegments.len());
-        for &key in self.subsegments.keys() {
+        let mut spokes = memory::room_in_pieces(2 * self.subsegments.len(), "segments", control)?;
+        for &[a, b] in self.subsegments.keys() {
             turns.check()?;
-            all.push(key);
+            spokes.extend([[a, b], [b, a]]);
         }
-        sort(&mut all, &control.watch())?;
-        let mut neighbours = vec![Vec::new(); t.vertex_slots()];
-        for [a, b] in all {
-            turns.check()?;
-            neighbours[a as usize].push(b);
-            neighbours[b as usize].push(a);
-        }
-        Ok(neighbours)
+        sort(&mut spokes, &control.watch())?;
+        Ok(spokes)
     }
 
     /// What a facet's planar triangulation has to hold: corners, the parts of its sides, other vertices in it, and segments between any of these.
-    fn outline(&self, plc: &Plc, parts: &Arrangement, ids: &[u32], index: usize, neighbours: &[Vec<u32>]) -> Outline {
+    fn outline(
+        &self,
+        (plc, parts, ids): (&Plc, &Arrangement, &[u32]),
+        index: usize,
+        spokes: &[[u32; 2]],
+        control: &Control,
+    ) -> Result<Outline, Error> {
+        let (turns, watch) = (control.turns(), control.watch());
         let id = |&v: &u32| ids[v as usize];
-        let mut constraints: Vec<[u32; 2]> = Vec::new();
+        let mut sides: Vec<[u32; 2]> = Vec::new();
         for polygon in &plc.facets[index].polygons {
             for (i, &v) in polygon.iter().enumerate() {
+                turns.check()?;
                 let ends = [v, polygon[(i + 1) % polygon.len()]].map(|v| parts.first[v as usize]);
                 if let Some(&side) = parts.side_of.get(&edge_key(ends)) {
-                    constraints.extend(parts.sides[side as usize].parts().map(|part| edge_key(part.map(|v| id(&v)))));
+                    sides.extend(parts.sides[side as usize].parts().map(|part| edge_key(part.map(|v| id(&v)))));
                 }
             }
         }
         let mut vertices: Vec<u32> = parts.corners[index].iter().chain(&parts.inside[index]).map(id).collect();
-        vertices.extend(constraints.iter().flatten());
-        vertices.sort_unstable();
+        vertices.extend(sides.iter().flatten());
+        sort(&mut vertices, &watch)?;
         vertices.dedup();
-        let mut sides = std::mem::take(&mut constraints);
-        sides.sort_unstable();
+        sort(&mut sides, &watch)?;
         sides.dedup();
+        let mut others: Vec<[u32; 2]> = Vec::new();
         // A triangle has no room for a segment between its corners.
         if vertices.len() > 3 {
             for &v in &vertices {
-                let near = &neighbours[v as usize];
-                let joined = |w: u32| v < w && self.subsegments.contains_key(&[v, w]);
+                turns.check()?;
+                let first = spokes.partition_point(|spoke| spoke[0] < v);
+                let near = &spokes[first..first + spokes[first..].partition_point(|spoke| spoke[0] == v)];
                 if near.len() <= vertices.len() {
-                    let inside = near.iter().filter(|&&w| v < w && vertices.binary_search(&w).is_ok());
-                    constraints.extend(inside.map(|&w| [v, w]));
+                    others.extend(near.iter().filter(|[v, w]| v < w && vertices.binary_search(w).is_ok()));
                 } else {
-                    constraints.extend(vertices.iter().filter(|&&w| joined(w)).map(|&w| [v, w]));
+                    let joined = |w: &&u32| v < **w && self.subsegments.contains_key(&[v, **w]);
+                    others.extend(vertices.iter().filter(joined).map(|&w| [v, w]));
                 }
             }
         }
-        constraints.sort_unstable();
-        constraints.dedup();
-        constraints.retain(|edge| sides.binary_search(edge).is_err());
-        Outline { vertices, sides, others: constraints }
+        others.retain(|edge| sides.binary_search(edge).is_err());
+        sort(&mut others, &watch)?;
+        Ok(Outline { vertices, sides, others })
     }
 
-    fn add_facet(&mut self, t: &Triangulation, index: usize, facet: &PlcFacet, outline: Outline) -> Result<(), Error> {
+    fn add_facet(
+        &mut self,
+        t: &Triangulation,
+        index: usize,
+        facet: &PlcFacet,
+        outline: Outline,
+        control: &Control,
+    ) -> Result<(), Error> {
         let element = DomainElement::Facet(index);
         let Outline { vertices, sides, others } = outline;
         let points = t.points();
         let normal = facet_normal(points, &vertices).ok_or_else(|| invalid(element, "has no area"))?;
-        let triangles = triangles_within(points, &vertices, &sides, &others, dominant_axis(normal), &facet.holes);
+        let axis = dominant_axis(normal);
+        let triangles = triangles_within(points, &vertices, (&sides, &others), axis, &facet.holes, control)?;
         let triangles = triangles.map_err(|_| invalid(element, "has sides, or segments in it, that cross"))?;
-        let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, points);
+        let mut planar = FacetTriangulation::new(&triangles, normal, facet.marker, points, control)?;
         let mut constraints = sides;
         constraints.extend(others);
-        constraints.sort_unstable();
-        planar.make_delaunay(points, |edge| constraints.binary_search(&edge_key(edge)).is_ok());
+        sort(&mut constraints, &control.watch())?;
+        planar.make_delaunay(points, |edge| constraints.binary_search(&edge_key(edge)).is_ok(), control)?;
+        let turns = control.turns();
         let position = self.facets.len() as u32;
-        for face in planar.triangles() {
+        for face in planar.triangles_within(control)? {
+            turns.check()?;
             if self.subfacets.insert(face_key(face), position).is_some() {
                 return Err(invalid(element, "overlaps another facet"));
             }
@@ -241,6 +261,7 @@ impl Boundary {
             }
         }
         for &edge in &constraints {
+            turns.check()?;
             let Some(&segment) = self.subsegments.get(&edge) else { continue };
             let facets = &mut self.segments[segment as usize].facets;
             if planar.at_edge(edge).next().is_some() && !facets.contains(&position) {
@@ -255,13 +276,8 @@ impl Boundary {
     /// (J. Ruppert, 1995), or two segments would split each other for ever.
     fn find_acute(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         let turns = control.turns();
-        let mut ends: Vec<[u32; 2]> = Vec::with_capacity(2 * self.subsegments.len());
-        for &[a, b] in self.subsegments.keys() {
-            turns.check()?;
-            ends.extend([[a, b], [b, a]]);
-        }
-        sort(&mut ends, &control.watch())?;
-        for at_vertex in ends.chunk_by(|e, f| e[0] == f[0]) {
+        let spokes = self.spokes(control)?;
+        for at_vertex in spokes.chunk_by(|e, f| e[0] == f[0]) {
             turns.check()?;
             let directions: Vec<DVec3> =
                 at_vertex.iter().map(|&[a, b]| (t.at(b) - t.at(a)).normalize_or_zero()).collect();

@@ -10,11 +10,14 @@
 //! exactly in the plane this is the circle test of the triangulation in space, its perturbation included.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use crate::geometry::perturbation::in_conflict;
 use crate::geometry::predicates::orient2d;
 use crate::geometry::{Filter, Sign};
+use crate::leavings::{InPieces, Leavings};
+use crate::parted::PartedMap;
+use crate::sorting::sort;
+use crate::{memory, Control, Error};
 
 /// A facet's triangles, counterclockwise seen from the positive end of its dominant axis.
 #[derive(Clone, Debug)]
@@ -30,7 +33,7 @@ pub struct FacetTriangulation {
     /// Above the facet, for circle tests.
     above: DVec3,
     filter: Filter,
-    apex: FxHashMap<[u32; 2], u32>,
+    apex: PartedMap<[u32; 2], u32>,
 }
 
 /// What the triangulation in space says of a facet's triangle when a point is inserted.
@@ -85,7 +88,13 @@ pub fn dominant_axis(normal: DVec3) -> usize {
 
 impl FacetTriangulation {
     /// A facet from triangles that cover it, in any orientation. `normal` need not be exact.
-    pub fn new(triangles: &[[u32; 3]], normal: DVec3, marker: i32, points: &[DVec3]) -> FacetTriangulation {
+    pub fn new(
+        triangles: &[[u32; 3]],
+        normal: DVec3,
+        marker: i32,
+        points: &[DVec3],
+        control: &Control,
+    ) -> Result<FacetTriangulation, Error> {
         let axis = dominant_axis(normal);
         let corners = || triangles.iter().flatten().map(|&v| points[v as usize]);
         let mut filter = Filter::default();
@@ -97,7 +106,7 @@ impl FacetTriangulation {
         let level = (0..3).find(|&axis| low[axis] == high[axis]);
         let plane_normal = level.map_or(normal.normalize_or_zero(), |axis| DVec3::AXES[axis]);
         let mut unique: Vec<u32> = triangles.iter().flatten().copied().collect();
-        unique.sort_unstable();
+        sort(&mut unique, &control.watch())?;
         unique.dedup();
         let mut facet = FacetTriangulation {
             marker,
@@ -106,14 +115,24 @@ impl FacetTriangulation {
             plane_normal,
             above,
             filter,
-            apex: FxHashMap::default(),
+            apex: PartedMap::default(),
         };
+        let turns = control.turns();
         for &[a, b, c] in triangles {
+            turns.check()?;
             let at = |v: u32| points[v as usize];
             let positive = orient2d(axis, at(a), at(b), at(c)) != Sign::Negative;
             facet.add(if positive { [a, b, c] } else { [a, c, b] });
         }
-        facet
+        Ok(facet)
+    }
+
+    /// A copy, unless memory is lacking or the control says stop.
+    pub fn try_clone(&self, control: &Control) -> Result<FacetTriangulation, Error> {
+        let FacetTriangulation { marker, axis, plane_normal, above, .. } = *self;
+        let (filter, corners) = (self.filter.clone(), memory::copied(&self.corners, "facet", control)?);
+        let apex = self.apex.try_clone(control)?;
+        Ok(FacetTriangulation { marker, corners, axis, plane_normal, above, filter, apex })
     }
 
     fn add(&mut self, triangle: [u32; 3]) {
@@ -131,10 +150,22 @@ impl FacetTriangulation {
 
     /// All triangles, in order of their vertices.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
-        let mut all: Vec<[u32; 3]> =
-            self.apex.iter().map(|(&[a, b], &c)| [a, b, c]).filter(|&t| rotate_lowest(t) == t).collect();
-        all.sort_unstable();
-        all
+        // Nobody cancels it.
+        self.triangles_within(&Control::new()).unwrap_or_default()
+    }
+
+    /// [`triangles`](Self::triangles), unless the control says stop.
+    pub(crate) fn triangles_within(&self, control: &Control) -> Result<Vec<[u32; 3]>, Error> {
+        let mut all = InPieces::new(Vec::new(), control);
+        let turns = control.turns();
+        for (&[a, b], &c) in self.apex.iter() {
+            turns.check()?;
+            if rotate_lowest([a, b, c]) == [a, b, c] {
+                all.push([a, b, c]);
+            }
+        }
+        sort(&mut all, &control.watch())?;
+        Ok(all.keep())
     }
 
     /// The triangle with these vertices, counterclockwise.
@@ -393,10 +424,17 @@ impl FacetTriangulation {
         }
     }
 
-    /// Gives its vertices new ids.
-    pub fn renumber(&mut self, renamed: impl Fn(u32) -> u32) {
-        self.corners.iter_mut().for_each(|v| *v = renamed(*v));
-        self.apex = self.apex.drain().map(|(edge, apex)| (edge.map(&renamed), renamed(apex))).collect();
+    /// Gives its vertices new ids. What is left is of no use when the control says stop.
+    pub fn renumber(&mut self, renamed: impl Fn(u32) -> u32, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
+        for v in &mut self.corners {
+            turns.check()?;
+            *v = renamed(*v);
+        }
+        self.apex.rekey(control, |edge, apex| {
+            *apex = renamed(*apex);
+            Some(edge.map(&renamed))
+        })
     }
 
     /// Whether a triangle's circumcircle holds a point of the facet.
@@ -407,12 +445,19 @@ impl FacetTriangulation {
     }
 
     /// Flips edges until every triangle's circle is free of its neighbours' apices, fixed edges excepted (C. L. Lawson, 1977).
-    pub fn make_delaunay(&mut self, points: &[DVec3], fixed: impl Fn([u32; 2]) -> bool) {
-        let mut queue: Vec<[u32; 2]> = self.apex.keys().copied().filter(|[a, b]| a < b).collect();
-        queue.sort_unstable();
+    pub fn make_delaunay(
+        &mut self,
+        points: &[DVec3],
+        fixed: impl Fn([u32; 2]) -> bool,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let mut queue = self.apex.sorted_keys(control)?;
+        queue.retain(|[a, b]| a < b);
+        let turns = control.turns();
         // Exactly planar facets need at most a flip an edge pair; rounding elsewhere must not keep this going for ever.
         let mut budget = 64 + queue.len() * queue.len().min(4096);
         while let Some([a, b]) = queue.pop() {
+            turns.check()?;
             let (Some(&c), Some(&d)) = (self.apex.get(&[a, b]), self.apex.get(&[b, a])) else { continue };
             if budget == 0 || fixed([a, b]) || !self.in_circle(&self.filter, [a, b, c], points[d as usize], points) {
                 continue;
@@ -428,6 +473,13 @@ impl FacetTriangulation {
             self.add([d, c, a]);
             queue.extend([[a, d], [d, b], [b, c], [c, a]]);
         }
+        Ok(())
+    }
+}
+
+impl Leavings for FacetTriangulation {
+    fn give_back(&mut self) -> bool {
+        self.apex.give_back() || self.corners.give_back()
     }
 }
 
@@ -437,7 +489,8 @@ mod tests {
 
     fn square() -> (Vec<DVec3>, FacetTriangulation) {
         let points: Vec<DVec3> = [[0., 0., 3.], [4., 0., 3.], [4., 4., 3.], [0., 4., 3.]].map(DVec3::from).to_vec();
-        let facet = FacetTriangulation::new(&[[0, 1, 2], [0, 3, 2]], DVec3::NEG_Z, 7, &points);
+        let facet =
+            FacetTriangulation::new(&[[0, 1, 2], [0, 3, 2]], DVec3::NEG_Z, 7, &points, &Control::new()).unwrap();
         (points, facet)
     }
 
@@ -471,8 +524,9 @@ mod tests {
     #[test]
     fn flips_make_it_delaunay() {
         let points: Vec<DVec3> = [[0., 0., 0.], [4., -1., 0.], [8., 0., 0.], [4., 1., 0.]].map(DVec3::from).to_vec();
-        let mut facet = FacetTriangulation::new(&[[0, 1, 2], [0, 2, 3]], DVec3::Z, 0, &points);
-        facet.make_delaunay(&points, |_| false);
+        let mut facet =
+            FacetTriangulation::new(&[[0, 1, 2], [0, 2, 3]], DVec3::Z, 0, &points, &Control::new()).unwrap();
+        facet.make_delaunay(&points, |_| false, &Control::new()).unwrap();
         assert_eq!(facet.triangles(), [[0, 1, 3], [1, 2, 3]]);
     }
 }

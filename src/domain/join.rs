@@ -1,12 +1,14 @@
 //! Facets that lie in one plane and share a side become one facet. The triangles of a surface's flat parts are then one polygon each, and the edges
 //! between them, which often meet at small angles, are no segments that have to be kept.
 
-use rustc_hash::FxHashMap;
-
 use super::boundary::{edge_key, face_key};
 use super::facet::{dominant_axis, FacetTriangulation};
-use super::planar::{extent, facet_normal, off_plane, planarity, triangles_of_facet, triangles_within};
+use super::planar::{
+    extent, facet_normal, gaps, off_plane, outline_of, planarity, triangles_of_facet, triangles_within,
+};
 use super::plc::{Plc, PlcFacet};
+use crate::leavings::InPieces;
+use crate::parted::PartedMap;
 use crate::sorting::{sort, sort_by};
 use crate::{Control, DVec3, Error};
 
@@ -28,17 +30,11 @@ impl Plc {
         let turns = control.turns();
         let count = self.facets.len();
         let mut normals: Vec<Option<DVec3>> = Vec::with_capacity(count);
-        let mut at_side: FxHashMap<[u32; 2], Vec<u32>> = FxHashMap::default();
-        for (i, facet) in self.facets.iter().enumerate() {
+        for facet in &self.facets {
             turns.check()?;
             normals.push(self.single_normal(facet));
-            for side in sides(facet) {
-                at_side.entry(side).or_default().push(i as u32);
-            }
         }
-        for segment in &self.segments {
-            at_side.remove(&edge_key(segment.ends));
-        }
+        let at_side = AtSides::new(self, control)?;
         let cosine = degrees.clamp(0.0, 90.0).to_radians().cos();
         let extent = extent(&self.points);
         let area = |i: usize| normals[i].map_or(0.0, |_| self.size_of(i));
@@ -60,7 +56,7 @@ impl Plc {
                 while next < members.len() {
                     turns.check()?;
                     for side in sides(&self.facets[members[next] as usize]) {
-                        let Some(&[f, g]) = at_side.get(&side).map(Vec::as_slice) else { continue };
+                        let &[(_, f), (_, g)] = at_side.facets(side) else { continue };
                         let other = if f == members[next] { g } else { f } as usize;
                         let Some(theirs) = normals[other] else { continue };
                         let alike = theirs.dot(normal).abs() >= cosine - 1e-12
@@ -75,13 +71,20 @@ impl Plc {
             }
             groups.push(members);
         }
-        groups.sort_unstable_by_key(|members| members.iter().min().copied());
+        // By the first member of each.
+        let mut order: Vec<(u32, u32)> = Vec::with_capacity(groups.len());
+        for (i, members) in groups.iter().enumerate() {
+            turns.check()?;
+            order.push((members.iter().min().copied().unwrap_or_default(), i as u32));
+        }
+        sort(&mut order, &control.watch())?;
         let mut facets: Vec<PlcFacet> = Vec::new();
         let mut members_of: Vec<Vec<u32>> = Vec::new();
-        for members in groups {
+        for (_, i) in order {
             turns.check()?;
-            let union = self.union(&members, &at_side);
-            if members.len() == 1 || self.covers(&union, &members) {
+            let members = std::mem::take(&mut groups[i as usize]);
+            let union = self.union(&members, &at_side, control)?;
+            if members.len() == 1 || self.covers(&union, &members, control)? {
                 facets.push(union);
                 members_of.push(members);
                 continue;
@@ -117,16 +120,21 @@ impl Plc {
         let turns = control.turns();
         while members_of.iter().any(|members| members.len() > 1) {
             // As in the boundary, sides of other facets between two points of a facet are kept.
-            let mut all: Vec<[u32; 2]> = facets.iter().flat_map(sides).collect();
+            let mut all = InPieces::new(Vec::new(), control);
+            for side in facets.iter().flat_map(sides) {
+                turns.check()?;
+                all.push(side);
+            }
             all.extend(self.segments.iter().map(|segment| edge_key(segment.ends)));
             sort(&mut all, &control.watch())?;
             all.dedup();
-            let mut first_with: FxHashMap<[u32; 3], u32> = FxHashMap::default();
+            let mut first_with = InPieces::new(PartedMap::default(), control);
             let mut overlaps = vec![false; facets.len()];
             for (i, facet) in facets.iter().enumerate() {
                 turns.check()?;
-                for triangle in self.final_triangles(facet, &all, extent) {
-                    let first = *first_with.entry(face_key(triangle)).or_insert(i as u32) as usize;
+                for triangle in self.final_triangles(facet, &all, extent, control)? {
+                    turns.check()?;
+                    let first = *first_with.entry_or(face_key(triangle), i as u32) as usize;
                     if first != i {
                         (overlaps[i], overlaps[first]) = (true, true);
                     }
@@ -149,37 +157,45 @@ impl Plc {
     }
 
     /// The triangles that a facet begins with as a domain's boundary.
-    fn final_triangles(&self, facet: &PlcFacet, all: &[[u32; 2]], extent: f64) -> Vec<[u32; 3]> {
+    fn final_triangles(
+        &self,
+        facet: &PlcFacet,
+        all: &[[u32; 2]],
+        extent: f64,
+        control: &Control,
+    ) -> Result<Vec<[u32; 3]>, Error> {
         if let ([polygon], []) = (&facet.polygons[..], &facet.holes[..]) {
             if let &[a, b, c] = &polygon[..] {
-                return vec![[a, b, c]];
+                return Ok(vec![[a, b, c]]);
             }
         }
-        let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let (vertices, mut own) = outline_of(facet, control)?;
+        own.retain(|[a, b]| a != b);
         // What is defective has none.
         let usable = |p: &DVec3| crate::geometry::check_range(0, *p).is_ok();
         let known = vertices.iter().all(|&v| self.points.get(v as usize).is_some_and(usable));
         let known = known && facet.holes.iter().all(|hole| hole.is_finite());
         let normal = known.then(|| facet_normal(&self.points, &vertices)).flatten();
         let flat = |normal: &DVec3| off_plane(&self.points, &vertices, *normal, extent).is_none();
-        let Some(normal) = normal.filter(flat) else { return Vec::new() };
-        let of = |&v: &u32| all[all.partition_point(|side| side[0] < v)..].iter().take_while(move |side| side[0] == v);
-        let fixed: Vec<[u32; 2]> =
-            vertices.iter().flat_map(of).copied().filter(|side| vertices.binary_search(&side[1]).is_ok()).collect();
+        let Some(normal) = normal.filter(flat) else { return Ok(Vec::new()) };
+        let turns = control.turns();
+        let (mut fixed, mut others) = (Vec::new(), Vec::new());
+        for &v in &vertices {
+            turns.check()?;
+            let of_v = all[all.partition_point(|side| side[0] < v)..].iter().take_while(|side| side[0] == v);
+            for side in of_v.filter(|side| vertices.binary_search(&side[1]).is_ok()) {
+                fixed.push(*side);
+                if own.binary_search(side).is_err() {
+                    others.push(*side);
+                }
+            }
+        }
         let axis = dominant_axis(normal);
-        let mut own: Vec<[u32; 2]> = sides(facet).collect();
-        own.sort_unstable();
-        own.dedup();
-        let mut others = fixed.clone();
-        others.retain(|side| own.binary_search(side).is_err());
-        let Ok(triangles) = triangles_within(&self.points, &vertices, &own, &others, axis, &facet.holes) else {
-            return Vec::new();
-        };
-        let mut planar = FacetTriangulation::new(&triangles, normal, 0, &self.points);
-        planar.make_delaunay(&self.points, |edge| fixed.binary_search(&edge_key(edge)).is_ok());
-        planar.triangles()
+        let triangles = triangles_within(&self.points, &vertices, (&own, &others), axis, &facet.holes, control)?
+            .unwrap_or_default();
+        let mut planar = FacetTriangulation::new(&triangles, normal, 0, &self.points, control)?;
+        planar.make_delaunay(&self.points, |edge| fixed.binary_search(&edge_key(edge)).is_ok(), control)?;
+        planar.triangles_within(control)
     }
 
     /// A measure of a facet's size: the area of its first corners' triangle, or more.
@@ -191,17 +207,22 @@ impl Plc {
     }
 
     /// Whether a union fills the area that its members fill, all seen along one axis.
-    fn covers(&self, union: &PlcFacet, members: &[u32]) -> bool {
-        let Some((axis, whole)) = triangles_of_facet(&self.points, union) else { return false };
+    fn covers(&self, union: &PlcFacet, members: &[u32], control: &Control) -> Result<bool, Error> {
+        let Some((axis, whole)) = triangles_of_facet(&self.points, union, control)? else { return Ok(false) };
         let area = |triangles: &[[u32; 3]]| -> f64 {
             let corners = triangles.iter().map(|t| t.map(|v| self.points[v as usize]));
             corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a)[axis].abs()).sum()
         };
-        let part = |&member: &u32| triangles_of_facet(&self.points, &self.facets[member as usize]);
-        let Some(parts) = members.iter().map(|m| part(m).map(|(_, t)| area(&t))).sum::<Option<f64>>() else {
-            return false;
-        };
-        (area(&whole) - parts).abs() <= 1e-9 * parts
+        let turns = control.turns();
+        let mut parts = 0.0;
+        for &member in members {
+            turns.check()?;
+            match triangles_of_facet(&self.points, &self.facets[member as usize], control)? {
+                Some((_, triangles)) => parts += area(&triangles),
+                None => return Ok(false),
+            }
+        }
+        Ok((area(&whole) - parts).abs() <= 1e-9 * parts)
     }
 
     fn single_normal(&self, facet: &PlcFacet) -> Option<DVec3> {
@@ -216,45 +237,72 @@ impl Plc {
     }
 
     /// The facet that some facets are together: their sides without those between two of them.
-    fn union(&self, members: &[u32], at_side: &FxHashMap<[u32; 2], Vec<u32>>) -> PlcFacet {
+    fn union(&self, members: &[u32], at_side: &AtSides<'_>, control: &Control) -> Result<PlcFacet, Error> {
         let first = &self.facets[members[0] as usize];
         if members.len() == 1 {
-            return first.clone();
+            return Ok(first.clone());
         }
+        let (turns, watch) = (control.turns(), control.watch());
         let mut inside: Vec<u32> = members.to_vec();
-        inside.sort_unstable();
+        sort(&mut inside, &watch)?;
         let mut kept: Vec<[u32; 2]> = Vec::new();
         let mut points: Vec<u32> = Vec::new();
         for &member in members {
+            turns.check()?;
             for side in sides(&self.facets[member as usize]) {
-                let between = at_side
-                    .get(&side)
-                    .is_some_and(|at| at.len() == 2 && at.iter().all(|facet| inside.binary_search(facet).is_ok()));
+                let at = at_side.facets(side);
+                let between = at.len() == 2 && at.iter().all(|(_, facet)| inside.binary_search(facet).is_ok());
                 if !between {
                     kept.push(side);
                 }
                 points.extend(side);
             }
         }
-        kept.sort_unstable();
+        sort(&mut kept, &watch)?;
         kept.dedup();
-        points.sort_unstable();
+        sort(&mut points, &watch)?;
         points.dedup();
-        let mut polygons = rings(&kept);
+        let mut polygons = rings(&kept, control)?;
         let mut on_sides: Vec<u32> = kept.iter().flatten().copied().collect();
-        on_sides.sort_unstable();
-        polygons.extend(points.iter().filter(|v| on_sides.binary_search(v).is_err()).map(|&v| vec![v]));
+        sort(&mut on_sides, &watch)?;
+        for v in points {
+            turns.check()?;
+            if on_sides.binary_search(&v).is_err() {
+                polygons.push(vec![v]);
+            }
+        }
         let mut facet = PlcFacet { polygons, holes: Vec::new(), marker: first.marker };
-        facet.holes = self.seeds_of_gaps(&facet, members);
-        facet
+        // The inner rings bound either a gap that the members leave within their outline, or nothing.
+        if facet.polygons.iter().filter(|polygon| polygon.len() > 1).count() > 1 {
+            facet.holes = gaps(self, &facet, members, control)?;
+        }
+        Ok(facet)
+    }
+}
+
+/// The facets at each side that is no listed segment.
+struct AtSides<'a>(InPieces<'a, Vec<([u32; 2], u32)>>);
+
+impl<'a> AtSides<'a> {
+    fn new(plc: &Plc, control: &'a Control) -> Result<AtSides<'a>, Error> {
+        let mut segments: Vec<[u32; 2]> = plc.segments.iter().map(|segment| edge_key(segment.ends)).collect();
+        sort(&mut segments, &control.watch())?;
+        let mut all = InPieces::new(Vec::new(), control);
+        let turns = control.turns();
+        for (i, facet) in plc.facets.iter().enumerate() {
+            turns.check()?;
+            let free = sides(facet).filter(|side| segments.binary_search(side).is_err());
+            all.extend(free.map(|side| (side, i as u32)));
+        }
+        sort(&mut all, &control.watch())?;
+        Ok(AtSides(all))
     }
 
-    /// A seed in each gap that the members leave within their outline: the inner rings bound either a gap or nothing.
-    fn seeds_of_gaps(&self, facet: &PlcFacet, members: &[u32]) -> Vec<DVec3> {
-        if facet.polygons.iter().filter(|polygon| polygon.len() > 1).count() < 2 {
-            return Vec::new();
-        }
-        super::planar::gaps(self, facet, members)
+    /// In order, one that has the side twice twice.
+    fn facets(&self, side: [u32; 2]) -> &[([u32; 2], u32)] {
+        let rest = &self.0[self.0.partition_point(|entry| entry.0 < side)..];
+        let count = rest.iter().take_while(|entry| entry.0 == side).count();
+        &rest[..count]
     }
 }
 
@@ -266,13 +314,14 @@ fn sides(facet: &PlcFacet) -> impl Iterator<Item = [u32; 2]> + '_ {
 }
 
 /// Sides put together to closed polygons; what does not close, as polygons of two points.
-fn rings(sides: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let mut at: FxHashMap<u32, Vec<usize>> = FxHashMap::default();
-    for (i, side) in sides.iter().enumerate() {
-        for &v in side {
-            at.entry(v).or_default().push(i);
-        }
-    }
+fn rings(sides: &[[u32; 2]], control: &Control) -> Result<Vec<Vec<u32>>, Error> {
+    let mut ends: Vec<(u32, usize)> = sides.iter().enumerate().flat_map(|(i, side)| side.map(|v| (v, i))).collect();
+    sort(&mut ends, &control.watch())?;
+    let at = |v: u32| {
+        let rest = &ends[ends.partition_point(|end| end.0 < v)..];
+        rest.iter().take_while(move |end| end.0 == v).map(|&(_, i)| i)
+    };
+    let turns = control.turns();
     let mut used = vec![false; sides.len()];
     let mut polygons = Vec::new();
     for start in 0..sides.len() {
@@ -283,7 +332,8 @@ fn rings(sides: &[[u32; 2]]) -> Vec<Vec<u32>> {
         let [first, mut last] = sides[start];
         let (mut ring, mut taken) = (vec![first, last], vec![start]);
         while last != first {
-            let Some(&next) = at[&last].iter().find(|&&i| !used[i]) else { break };
+            turns.check()?;
+            let Some(next) = at(last).find(|&i| !used[i]) else { break };
             used[next] = true;
             taken.push(next);
             last = if sides[next][0] == last { sides[next][1] } else { sides[next][0] };
@@ -296,7 +346,7 @@ fn rings(sides: &[[u32; 2]]) -> Vec<Vec<u32>> {
             polygons.extend(taken.into_iter().map(|i| sides[i].to_vec()));
         }
     }
-    polygons
+    Ok(polygons)
 }
 
 /// The slab that the points of a facet under way lie in.

@@ -44,14 +44,14 @@ impl Boundary {
             }
             Ok(())
         };
-        let mut ghosts = Vec::new();
+        let mut ghosts = InPieces::new(Vec::new(), control);
         for (i, part) in t.topology.tets.chunks(PART).enumerate() {
             control.check()?;
             ghosts.extend(
                 (i * PART..).zip(part).filter(|(_, tet)| tet.is_live() && tet.is_ghost()).map(|(t, _)| t as u32),
             );
         }
-        flood(ghosts, OUTSIDE)?;
+        flood(ghosts.keep(), OUTSIDE)?;
         for &hole in holes {
             flood(t.tetrahedra_at(hole), OUTSIDE)?;
         }
@@ -63,14 +63,16 @@ impl Boundary {
             part.iter_mut().filter(|label| **label == UNKNOWN).for_each(|label| *label = INSIDE);
         }
         let label = |face: u32| labels[tet_of(face) as usize];
-        let turns = control.turns();
-        let parts_labels = self.subfacets.keys().all(|&face| {
-            turns.go_on()
-                && t.topology
-                    .find_face(face)
-                    .is_some_and(|f| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]))
-        });
-        turns.end()?;
+        let mut parts_labels = true;
+        for &face in self.subfacets.keys() {
+            // A look each time: a face between large stars takes its time.
+            control.check()?;
+            let apart = |f: u32| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]);
+            if !t.topology.find_face(face).is_some_and(apart) {
+                parts_labels = false;
+                break;
+            }
+        }
         self.parts_labels = parts_labels;
         t.topology.region = labels.keep();
         Ok(())

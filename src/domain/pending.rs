@@ -5,8 +5,10 @@
 
 use super::acute::Carrier;
 use super::boundary::{Boundary, ACUTE, SHARP};
+use crate::leavings::InPieces;
+use crate::parted::PartedMap;
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{Control, DVec3, Error};
 
 /// What is demanded of a split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,9 +74,16 @@ impl Boundary {
     }
 
     /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.
-    pub(crate) fn find_room(&mut self, t: &Triangulation) {
-        let room = |&v: &u32| t.nearest_neighbour(v).map(|w| (v, t.at(v).distance(t.at(w))));
-        self.room_at = self.shortest_at.keys().filter_map(room).collect();
+    pub(crate) fn find_room(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let mut room_at = InPieces::new(PartedMap::default(), control);
+        for &v in self.shortest_at.keys() {
+            control.check()?;
+            if let Some(w) = t.nearest_neighbour(v) {
+                room_at.insert(v, t.at(v).distance(t.at(w)));
+            }
+        }
+        self.room_at = room_at.keep();
+        Ok(())
     }
 
     /// Whether a subsegment exists and its split is not known to miss the demand.

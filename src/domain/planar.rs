@@ -2,10 +2,18 @@
 //! Vertices are positions in `points`.
 
 use glam::DVec3;
-use rustc_hash::{FxHashMap, FxHashSet};
-use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation as _};
+use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation as _};
 
-use crate::geometry::predicates::collinear;
+use super::boundary::edge_key;
+use super::facet::dominant_axis;
+use super::plc::{Plc, PlcFacet};
+use crate::geometry::predicates::{collinear, orient2d};
+use crate::leavings::{InPieces, Leavings};
+use crate::parted::PartedMap;
+use crate::sorting::sort;
+use crate::triangulation::order::try_spatial_order;
+use crate::{memory, Control, Error};
 
 /// How far a facet's points may lie off its plane in any case, relative to its size. Points of a slanted plane have no exact coordinates.
 pub const PLANARITY: f64 = 1e-9;
@@ -66,53 +74,86 @@ pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3, extent: f64)
     off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > planarity(size, extent))
 }
 
+/// Vertices that are put in as they come; of more, one after the other in space.
+const FEW: usize = 1 << 10;
+
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// The planar triangulation is the `spade` crate's: it goes in one piece, unless the control keeps it.
+#[derive(Default)]
+struct Whole(Cdt);
+
+impl Leavings for Whole {
+    fn give_back(&mut self) -> bool {
+        false
+    }
+}
+
 /// The triangles of the constrained planar triangulation that lie within the polygons: not reached from outside, nor from a hole's seed. Only `sides`, those of
-/// the polygons, bound what is outside; edges that `others` need in it do not.
+/// the polygons, bound what is outside; edges that `others` need in it do not. `vertices` are in order. [`Error::Cancelled`] when the control says stop.
 pub fn triangles_within(
     points: &[DVec3],
     vertices: &[u32],
-    sides: &[[u32; 2]],
-    others: &[[u32; 2]],
+    (sides, others): (&[[u32; 2]], &[[u32; 2]]),
     axis: usize,
     holes: &[DVec3],
-) -> Result<Vec<[u32; 3]>, PlanarDefect> {
+    control: &Control,
+) -> Result<Result<Vec<[u32; 3]>, PlanarDefect>, Error> {
+    debug_assert!(vertices.is_sorted());
     // The commonest facet needs no machinery.
     if let (&[a, b, c], 3, [], []) = (vertices, sides.len(), others, holes) {
         if sides.iter().all(|e| e[0] != e[1] && vertices.contains(&e[0]) && vertices.contains(&e[1])) {
-            return Ok(vec![[a, b, c]]);
+            return Ok(Ok(vec![[a, b, c]]));
         }
     }
-    let at = |v: u32| points[v as usize];
+    let place = |v: u32| points[v as usize];
     let project = |p: DVec3| Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3]);
-    let mut planar: ConstrainedDelaunayTriangulation<Point2<f64>> = ConstrainedDelaunayTriangulation::new();
-    let mut handle_of = FxHashMap::default();
-    let mut vertex_of = FxHashMap::default();
-    for &v in vertices {
-        let handle = planar.insert(project(at(v))).map_err(|_| PlanarDefect::Range(v))?;
-        handle_of.insert(v, handle);
-        if let Some(other) = vertex_of.insert(handle, v) {
-            return Err(PlanarDefect::SamePlace(other, v));
+    let mut planar = InPieces::new(Whole::default(), control);
+    let planar = &mut planar.0;
+    let order = if vertices.len() > FEW {
+        let mut places = memory::room_in_pieces(vertices.len(), "facet", control)?;
+        places.extend(vertices.iter().map(|&v| place(v)));
+        try_spatial_order(&places, control)?
+    } else {
+        (0..vertices.len() as u32).collect()
+    };
+    // By position in `vertices`, and by position in the triangulation.
+    let mut handles: Vec<Option<FixedVertexHandle>> = vec![None; vertices.len()];
+    let mut vertex_of: Vec<u32> = Vec::with_capacity(vertices.len());
+    for i in order {
+        control.check()?;
+        let v = vertices[i as usize];
+        let Ok(handle) = planar.insert(project(place(v))) else { return Ok(Err(PlanarDefect::Range(v))) };
+        match vertex_of.get(handle.index()) {
+            Some(&other) => return Ok(Err(PlanarDefect::SamePlace(other, v))),
+            None => vertex_of.push(v),
         }
+        handles[i as usize] = Some(handle);
     }
+    let handle_of = |v: u32| vertices.binary_search(&v).ok().and_then(|i| handles[i]);
     // A side that a vertex lies on becomes several edges.
-    let mut bounding: FxHashSet<[u32; 2]> = FxHashSet::default();
+    let mut bounding = InPieces::new(PartedMap::default(), control);
     for (i, &[a, b]) in sides.iter().chain(others).enumerate() {
-        let (from, to) = (handle_of[&a], handle_of[&b]);
+        control.check()?;
+        let crossing = Ok(Err(PlanarDefect::Crossing([a, b])));
+        let (Some(from), Some(to)) = (handle_of(a), handle_of(b)) else { return crossing };
         if !planar.can_add_constraint(from, to) {
-            return Err(PlanarDefect::Crossing([a, b]));
+            return crossing;
         }
         let parts = planar.try_add_constraint(from, to);
         if i < sides.len() {
-            let ends = |edge| planar.directed_edge(edge).vertices().map(|v| vertex_of[&v.fix()]);
-            bounding.extend(parts.into_iter().map(|edge| super::boundary::edge_key(ends(edge))));
+            let ends = |edge| planar.directed_edge(edge).vertices().map(|v| vertex_of[v.fix().index()]);
+            for edge in parts {
+                bounding.insert(edge_key(ends(edge)), ());
+            }
         }
     }
-    let is_side = |edge: spade::handles::DirectedEdgeHandle<_, _, spade::CdtEdge<()>, ()>| {
-        edge.is_constraint_edge()
-            && bounding.contains(&super::boundary::edge_key(edge.vertices().map(|v| vertex_of[&v.fix()])))
+    let is_side = |edge: DirectedEdgeHandle<_, _, CdtEdge<()>, ()>| {
+        let ends = || edge.vertices().map(|v| vertex_of[v.fix().index()]);
+        edge.is_constraint_edge() && bounding.contains_key(&edge_key(ends()))
     };
     let mut outside = vec![false; planar.num_all_faces()];
-    let mut queue = vec![planar.outer_face().fix()];
+    let mut queue = InPieces::new(vec![planar.outer_face().fix()], control);
     for &hole in holes {
         match planar.locate(project(hole)) {
             // Any edge knows its face in the form that includes the outer one.
@@ -124,77 +165,92 @@ pub fn triangles_within(
             _ => {}
         }
     }
-    let neighbours: FxHashMap<_, Vec<_>> = planar.directed_edges().fold(FxHashMap::default(), |mut map, edge| {
-        if !is_side(edge) {
-            map.entry(edge.face().fix()).or_insert_with(Vec::new).push(edge.rev().face().fix());
-        }
-        map
-    });
+    let turns = control.turns();
     while let Some(face) = queue.pop() {
-        if !std::mem::replace(&mut outside[face.index()], true) {
-            queue.extend(neighbours.get(&face).into_iter().flatten().copied());
+        if std::mem::replace(&mut outside[face.index()], true) {
+            continue;
+        }
+        let mut look = |edge: DirectedEdgeHandle<_, _, CdtEdge<()>, ()>| {
+            // Of an edge of the hull both sides are asked for.
+            let other = if edge.face().fix() == face { edge.rev().face().fix() } else { edge.face().fix() };
+            if !is_side(edge) {
+                queue.push(other);
+            }
+            turns.check()
+        };
+        match planar.face(face).as_inner() {
+            Some(face) => face.adjacent_edges().into_iter().try_for_each(&mut look)?,
+            // Its edges are those of the hull, seen from outside.
+            None => planar.convex_hull().try_for_each(&mut look)?,
         }
     }
-    Ok(planar
-        .inner_faces()
-        .filter(|face| !outside[face.fix().index()])
-        .map(|face| face.vertices().map(|v| vertex_of[&v.fix()]))
-        .collect())
+    let mut triangles = InPieces::new(Vec::new(), control);
+    for face in planar.inner_faces() {
+        turns.check()?;
+        if !outside[face.fix().index()] {
+            triangles.push(face.vertices().map(|v| vertex_of[v.fix().index()]));
+        }
+    }
+    Ok(Ok(triangles.keep()))
 }
 
-/// The dominant axis of a facet's normal, and its triangles; none when it can't be triangulated.
-pub fn triangles_of_facet(points: &[DVec3], facet: &super::plc::PlcFacet) -> Option<(usize, Vec<[u32; 3]>)> {
+/// The corners of a facet, and its sides, lower corner first; both in order.
+pub fn outline_of(facet: &PlcFacet, control: &Control) -> Result<(Vec<u32>, Vec<[u32; 2]>), Error> {
+    let watch = control.watch();
     let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
-    vertices.sort_unstable();
+    sort(&mut vertices, &watch)?;
     vertices.dedup();
     let mut sides = Vec::new();
     for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
-        sides.extend(
-            (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])),
-        );
+        sides.extend((0..polygon.len()).map(|i| edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])));
     }
-    sides.sort_unstable();
+    sort(&mut sides, &watch)?;
     sides.dedup();
-    let axis = super::facet::dominant_axis(facet_normal(points, &vertices)?);
-    Some((axis, triangles_within(points, &vertices, &sides, &[], axis, &facet.holes).ok()?))
+    Ok((vertices, sides))
+}
+
+/// The dominant axis of a facet's normal, and its triangles; none when it can't be triangulated.
+pub fn triangles_of_facet(
+    points: &[DVec3],
+    facet: &PlcFacet,
+    control: &Control,
+) -> Result<Option<(usize, Vec<[u32; 3]>)>, Error> {
+    let (vertices, sides) = outline_of(facet, control)?;
+    let Some(normal) = facet_normal(points, &vertices) else { return Ok(None) };
+    let axis = dominant_axis(normal);
+    let triangles = triangles_within(points, &vertices, (&sides, &[]), axis, &facet.holes, control)?;
+    Ok(triangles.ok().map(|triangles| (axis, triangles)))
 }
 
 /// Seeds in the parts within a facet's outline that none of the `members` covers, which it is the union of: one in each triangle of them.
-pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]) -> Vec<DVec3> {
+pub fn gaps(plc: &Plc, facet: &PlcFacet, members: &[u32], control: &Control) -> Result<Vec<DVec3>, Error> {
     let points = &plc.points;
-    let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let Some(normal) = facet_normal(points, &vertices) else { return Vec::new() };
-    let axis = super::facet::dominant_axis(normal);
-    let mut constraints: Vec<[u32; 2]> = Vec::new();
-    for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
-        for i in 0..polygon.len() {
-            constraints.push(super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]]));
-        }
-    }
-    constraints.sort_unstable();
-    constraints.dedup();
+    let (vertices, constraints) = outline_of(facet, control)?;
+    let Some(normal) = facet_normal(points, &vertices) else { return Ok(Vec::new()) };
+    let axis = dominant_axis(normal);
     // A member lies on one side of each of its sides that stay. The triangle there belongs to the facet if it is on that side.
-    let mut inner: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+    let mut inner = InPieces::new(PartedMap::default(), control);
     for &member in members {
-        let polygon = &plc.facets[member as usize].polygons[0];
-        let Ok(own) = triangles_of(points, polygon, axis) else { return Vec::new() };
+        let (vertices, sides) = outline_of(&plc.facets[member as usize], control)?;
+        let Ok(own) = triangles_within(points, &vertices, (&sides, &[]), axis, &[], control)? else {
+            return Ok(Vec::new());
+        };
         for triangle in own {
             for i in 0..3 {
-                let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
-                inner.insert(side, triangle[(i + 2) % 3]);
+                inner.insert(edge_key([triangle[i], triangle[(i + 1) % 3]]), triangle[(i + 2) % 3]);
             }
         }
     }
-    let Ok(triangles) = triangles_within(points, &vertices, &constraints, &[], axis, &[]) else { return Vec::new() };
-    let side_of = |a: u32, b: u32, c: u32| {
-        crate::geometry::predicates::orient2d(axis, points[a as usize], points[b as usize], points[c as usize])
+    let Ok(triangles) = triangles_within(points, &vertices, (&constraints, &[]), axis, &[], control)? else {
+        return Ok(Vec::new());
     };
+    let side_of = |a: u32, b: u32, c: u32| orient2d(axis, points[a as usize], points[b as usize], points[c as usize]);
     let mut seeds = Vec::new();
+    let turns = control.turns();
     for triangle in triangles {
+        turns.check()?;
         let outer = (0..3).any(|i| {
-            let side = super::boundary::edge_key([triangle[i], triangle[(i + 1) % 3]]);
+            let side = edge_key([triangle[i], triangle[(i + 1) % 3]]);
             let kept = constraints.binary_search(&side).is_ok();
             kept && inner.get(&side).is_some_and(|&apex| {
                 side_of(side[0], side[1], apex) != side_of(side[0], side[1], triangle[(i + 2) % 3])
@@ -205,18 +261,7 @@ pub fn gaps(plc: &super::plc::Plc, facet: &super::plc::PlcFacet, members: &[u32]
             seeds.push((a + b + c) / 3.0);
         }
     }
-    seeds
-}
-
-fn triangles_of(points: &[DVec3], polygon: &[u32], axis: usize) -> Result<Vec<[u32; 3]>, PlanarDefect> {
-    let mut vertices = polygon.to_vec();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let mut sides: Vec<[u32; 2]> =
-        (0..polygon.len()).map(|i| super::boundary::edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])).collect();
-    sides.sort_unstable();
-    sides.dedup();
-    triangles_within(points, &vertices, &sides, &[], axis, &[])
+    Ok(seeds)
 }
 
 #[cfg(test)]
@@ -231,7 +276,9 @@ mod tests {
         let points: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
         let vertices: Vec<u32> = (0..8).collect();
         let sides: Vec<[u32; 2]> = (0..4).flat_map(|i| [[i, (i + 1) % 4], [4 + i, 4 + (i + 1) % 4]]).collect();
-        let count = |holes: &[DVec3]| triangles_within(&points, &vertices, &sides, &[], 2, holes).unwrap().len();
+        let count = |holes: &[DVec3]| {
+            triangles_within(&points, &vertices, (&sides, &[]), 2, holes, &Control::new()).unwrap().unwrap().len()
+        };
         assert_eq!(count(&[]), 10);
         assert_eq!(count(&[DVec3::new(2.0, 2.0, 0.0)]), 8);
         assert_eq!(count(&[DVec3::new(2.5, 1.75, 0.0)]), 8);
@@ -248,7 +295,8 @@ mod tests {
         let vertices: Vec<u32> = (0..9).collect();
         let sides: Vec<[u32; 2]> = (0..8).map(|i| [i, (i + 1) % 8]).collect();
         let area = |others: &[[u32; 2]], holes: &[DVec3]| -> f64 {
-            let triangles = triangles_within(&points, &vertices, &sides, others, 2, holes).unwrap();
+            let triangles = triangles_within(&points, &vertices, (&sides, others), 2, holes, &Control::new());
+            let triangles = triangles.unwrap().unwrap();
             let corners = triangles.into_iter().map(|t| t.map(|v| points[v as usize]));
             corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).z.abs()).sum()
         };

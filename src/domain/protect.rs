@@ -12,11 +12,11 @@
 
 use glam::DVec3;
 
-use rustc_hash::FxHashMap;
-
 use super::boundary::{edge_key, Boundary, ACUTE, ON_SEGMENT};
 use super::planar::PLANARITY;
 use crate::geometry::circumsphere::triangle_circumcenter;
+use crate::leavings::InPieces;
+use crate::parted::PartedMap;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
@@ -123,16 +123,16 @@ impl Boundary {
     /// Notes how long the shortest segment at each acute vertex is.
     pub(super) fn find_shortest(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         let turns = control.turns();
-        let mut shortest: FxHashMap<u32, f64> = FxHashMap::default();
+        let mut shortest = InPieces::new(PartedMap::default(), control);
         for [a, b] in self.subsegments.keys().copied() {
             turns.check()?;
             let length = t.at(a).distance(t.at(b));
             for v in [a, b].into_iter().filter(|&v| self.kind(v) & ACUTE != 0) {
-                let known = shortest.entry(v).or_insert(length);
+                let known: &mut f64 = shortest.entry_or(v, length);
                 *known = known.min(length);
             }
         }
-        self.shortest_at = shortest;
+        self.shortest_at = shortest.keep();
         Ok(())
     }
 }

@@ -7,14 +7,15 @@
 
 use std::ops::Deref;
 
-use rustc_hash::FxHashMap;
-
 use super::boundary::edge_key;
+use crate::leavings::Leavings;
+use crate::parted::PartedMap;
+use crate::{memory, Control, Error};
 
 /// A map from subsegments, lower vertex first, to their segments. It is read like any other map.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Subsegments {
-    map: FxHashMap<[u32; 2], u32>,
+    map: PartedMap<[u32; 2], u32>,
     /// By vertex; vertices beyond its end have no subsegment.
     partners: Vec<u64>,
 }
@@ -26,7 +27,7 @@ fn bit(v: u32) -> u64 {
 }
 
 impl Deref for Subsegments {
-    type Target = FxHashMap<[u32; 2], u32>;
+    type Target = PartedMap<[u32; 2], u32>;
 
     fn deref(&self) -> &Self::Target {
         &self.map
@@ -37,17 +38,19 @@ impl Subsegments {
     /// Puts a subsegment in, or gives it another segment.
     pub fn insert(&mut self, key: [u32; 2], segment: u32) {
         debug_assert!(key[0] < key[1]);
-        if self.partners.len() <= key[1] as usize {
-            self.partners.resize(key[1] as usize + 1, 0);
-        }
-        self.partners[key[0] as usize] |= bit(key[1]);
-        self.partners[key[1] as usize] |= bit(key[0]);
+        note(&mut self.partners, key);
         self.map.insert(key, segment);
     }
 
     /// Takes a subsegment out, and returns its segment.
     pub fn remove(&mut self, key: &[u32; 2]) -> Option<u32> {
         self.map.remove(key)
+    }
+
+    /// Room for so many vertices, made in pieces.
+    pub fn grow(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
+        let more = vertices.saturating_sub(self.partners.len());
+        memory::grow(&mut self.partners, more, "boundary", control)
     }
 
     /// Memory for so many more.
@@ -68,18 +71,42 @@ impl Subsegments {
         of_v & bit(w) != 0 && of_w & bit(v) != 0
     }
 
-    /// Gives the vertices new ids.
-    pub fn renumber(&mut self, renamed: impl Fn(u32) -> u32) {
-        let old = std::mem::take(self);
-        for (key, segment) in old.map {
-            self.insert(edge_key(key.map(&renamed)), segment);
+    /// Gives the vertices new ids. What is left is of no use when the control says stop.
+    pub fn renumber(&mut self, renamed: impl Fn(u32) -> u32, control: &Control) -> Result<(), Error> {
+        self.map.rekey(control, |key, _| Some(edge_key(key.map(&renamed))))?;
+        self.partners.clear();
+        let turns = control.turns();
+        for &key in self.map.keys() {
+            turns.check()?;
+            note(&mut self.partners, key);
         }
+        Ok(())
+    }
+
+    /// A copy, unless the control says stop.
+    pub fn try_clone(&self, control: &Control) -> Result<Subsegments, Error> {
+        let partners = memory::copied(&self.partners, "boundary", control)?;
+        Ok(Subsegments { map: self.map.try_clone(control)?, partners })
     }
 
     /// The bytes that it has taken, about.
     pub fn bytes(&self) -> usize {
-        // A byte of control for each place of a map.
-        self.map.capacity() * (size_of::<([u32; 2], u32)>() + 1) + self.partners.capacity() * size_of::<u64>()
+        self.map.bytes() + self.partners.capacity() * size_of::<u64>()
+    }
+}
+
+/// Notes a subsegment at its ends.
+fn note(partners: &mut Vec<u64>, [a, b]: [u32; 2]) {
+    if partners.len() <= b as usize {
+        partners.resize(b as usize + 1, 0);
+    }
+    partners[a as usize] |= bit(b);
+    partners[b as usize] |= bit(a);
+}
+
+impl Leavings for Subsegments {
+    fn give_back(&mut self) -> bool {
+        self.map.give_back() || self.partners.give_back()
     }
 }
 
@@ -93,7 +120,7 @@ mod tests {
         for v in 0..200 {
             subsegments.insert([v, v + 1 + v % 7], v);
         }
-        subsegments.renumber(|v| 3 * v + 1);
+        subsegments.renumber(|v| 3 * v + 1, &Control::new()).unwrap();
         let may = |[v, w]: [u32; 2]| Subsegments::may_hold(v, subsegments.partners(v), w, subsegments.partners(w));
         assert_eq!(subsegments.len(), 200);
         assert!(subsegments.keys().all(|&key| may(key)));

@@ -305,12 +305,13 @@ fn joining_hears_of_a_cancellation_at_any_time_and_changes_nothing_then() {
     let looks = control.looks(None, || assert_eq!(joined.join_coplanar_within(0.01, &control).unwrap().len(), 3200));
     assert_eq!(joined.facets.len(), 8);
     assert!(looks >= 3 * plc.facets.len() / 256, "{looks}");
-    for last in 1..=looks {
+    for last in (1..=looks).step_by(looks / 150) {
         let mut cancelled = plc.clone();
-        let made = control.looks(Some(last), || {
-            assert_eq!(cancelled.join_coplanar_within(0.01, &control), Err(crate::Error::Cancelled));
-        });
-        assert!(made == last && cancelled == plc);
+        let mut ended = Ok(Vec::new());
+        let made = control.looks(Some(last), || ended = cancelled.join_coplanar_within(0.01, &control));
+        // A few looks more, before memory goes. What comes while the last of it does is too late.
+        assert!(made <= last + 8, "{made} of {last}");
+        assert!(if ended.is_ok() { cancelled == joined && last + 8 > looks } else { cancelled == plc });
     }
 }
 

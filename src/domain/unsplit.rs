@@ -300,29 +300,25 @@ impl Boundary {
             self.carry(renamed(v as u32), carrier);
         }
         for segment in &mut self.segments {
+            turns.check()?;
             segment.ends = segment.ends.map(renamed);
         }
         for facet in &mut self.facets {
-            turns.check()?;
-            facet.renumber(renamed);
+            facet.renumber(renamed, control)?;
         }
-        control.check()?;
-        let edge = |edge: [u32; 2]| edge_key(edge.map(renamed));
-        let face = |face: [u32; 3]| face_key(face.map(renamed));
-        self.subsegments.renumber(renamed);
-        control.check()?;
-        self.subfacets = self.subfacets.drain().map(|(key, facet)| (face(key), facet)).collect();
-        control.check()?;
-        self.pending_segments.retain(|(key, _)| !key.iter().any(gone));
-        self.pending_facets.retain(|(key, _)| !key.iter().any(gone));
-        self.pending_segments.iter_mut().for_each(|(key, _)| *key = edge(*key));
-        self.pending_facets.iter_mut().for_each(|(key, _)| *key = face(*key));
-        let (segments, facets) = (std::mem::take(&mut self.blocked_segments), std::mem::take(&mut self.blocked_facets));
-        let (segments, facets) = (segments.into_iter(), facets.into_iter());
-        self.blocked_segments =
-            segments.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (edge(k), reach)).collect();
-        self.blocked_facets = facets.filter(|(k, _)| !k.iter().any(gone)).map(|(k, reach)| (face(k), reach)).collect();
-        Ok(())
+        let edge =
+            |edge: [u32; 2]| Some(edge).filter(|edge| !edge.iter().any(gone)).map(|edge| edge_key(edge.map(renamed)));
+        let face =
+            |face: [u32; 3]| Some(face).filter(|face| !face.iter().any(gone)).map(|face| face_key(face.map(renamed)));
+        self.subsegments.renumber(renamed, control)?;
+        self.subfacets.rekey(control, |key, _| face(key))?;
+        // What waits has no elements that are gone left.
+        let (segments, facets) = (&mut self.pending_segments, &mut self.pending_facets);
+        segments.retain_mut(|(key, _)| turns.go_on() && edge(*key).map(|new| *key = new).is_some());
+        facets.retain_mut(|(key, _)| turns.go_on() && face(*key).map(|new| *key = new).is_some());
+        turns.end()?;
+        self.blocked_segments.rekey(control, |key, _| edge(key))?;
+        self.blocked_facets.rekey(control, |key, _| face(key))
     }
 
     /// Takes a change of the boundary back.

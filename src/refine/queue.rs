@@ -14,8 +14,9 @@ use std::collections::BinaryHeap;
 
 use crate::geometry::quality::EDGES;
 use crate::leavings::{Each, Leavings};
+use crate::sorting::sort;
 use crate::triangulation::Triangulation;
-use crate::{memory, Error};
+use crate::{memory, Control, Error};
 
 /// A tetrahedron whose turn is near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,6 +165,16 @@ impl Buckets {
         Some(self.first + 64 * word as u32 + bits.trailing_zeros())
     }
 
+    /// Puts a list that was [taken](Self::take) back.
+    fn put(&mut self, bucket: u32, list: Vec<Waiting>) {
+        if !list.is_empty() {
+            let place = (bucket - self.first) as usize;
+            self.filled[place / 64] |= 1 << (place % 64);
+            self.bytes += list.capacity() * size_of::<Waiting>();
+            self.lists[place] = list;
+        }
+    }
+
     fn take(&mut self, bucket: u32) -> Vec<Waiting> {
         let place = bucket.wrapping_sub(self.first) as usize;
         let Some(list) = self.lists.get_mut(place) else { return Vec::new() };
@@ -172,6 +183,9 @@ impl Buckets {
         std::mem::take(list)
     }
 }
+
+/// Places that are judged between two looks at the control.
+const PART: usize = 1 << 12;
 
 /// How much earlier than it is looked at a place is fetched.
 const AHEAD: usize = 16;
@@ -215,17 +229,18 @@ impl Queue {
         self.heap.capacity() * size_of::<Entry>() + self.waiting.bytes
     }
 
-    /// The next tetrahedron. `judge` is asked about places, whatever is there now: it leaves those of tetrahedra to be mended in the list, in any order, each with its shortest edge
-    /// squared.
+    /// The next tetrahedron; [`Error::Cancelled`], and nothing is lost, when the control says stop. `judge` is asked about places, whatever is there now: it leaves
+    /// those of tetrahedra to be mended in the list, in any order, each with its shortest edge squared.
     pub fn pop(
         &mut self,
         t: &Triangulation,
+        control: &Control,
         mut judge: impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<Option<u32>, Error> {
         loop {
             if let Some(first) = self.waiting.first_filled() {
                 if self.heap.is_empty() || first < self.current {
-                    self.turn_to(first, t, &mut judge)?;
+                    self.turn_to(first, t, control, &mut judge)?;
                     // All of it may have been dead.
                     continue;
                 }
@@ -243,21 +258,55 @@ impl Queue {
         &mut self,
         first: u32,
         t: &Triangulation,
+        control: &Control,
         judge: &mut impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<(), Error> {
+        // Where very many shortest edges are alike, as in grids, all is in one bucket.
+        let turns = control.turns();
         // A place whose tetrahedron has gone may have another one by now, which is not to come again.
-        for Reverse(entry) in std::mem::take(&mut self.heap) {
-            if entry.is_live(t) {
-                self.waiting.push(self.current, Waiting::new(t, entry.t))?;
-            } else {
+        let mut before = std::mem::take(&mut self.heap).into_vec();
+        while let Some(Reverse(entry)) = before.pop() {
+            if !entry.is_live(t) {
                 self.count -= 1;
+                continue;
+            }
+            let kept = turns.check().and_then(|()| self.waiting.push(self.current, Waiting::new(t, entry.t)));
+            if kept.is_err() {
+                before.push(Reverse(entry));
+                self.heap = before.into();
+                return kept;
             }
         }
         self.current = first;
         let waiting = self.waiting.take(first);
-        self.count -= waiting.len();
+        match self.judge_waiting(&waiting, t, control, judge) {
+            Ok(()) => self.count -= waiting.len(),
+            stopped => {
+                self.waiting.put(first, waiting);
+                return stopped;
+            }
+        }
+        self.judged.retain(|&(_, shortest)| bucket(shortest.to_bits()) == first);
+        self.count += self.judged.len();
+        let entry = |&(tet, shortest): &(u32, f64)| {
+            Reverse(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet })
+        };
+        self.heap = self.judged.iter().map(entry).collect();
+        Ok(())
+    }
+
+    /// Finds those in a list that are still to be mended.
+    fn judge_waiting(
+        &mut self,
+        waiting: &[Waiting],
+        t: &Triangulation,
+        control: &Control,
+        judge: &mut impl FnMut(&[u32], &mut Vec<(u32, f64)>),
+    ) -> Result<(), Error> {
+        let turns = control.turns();
         self.places.clear();
         for (i, entry) in waiting.iter().enumerate() {
+            turns.check()?;
             if let Some(later) = waiting.get(i + AHEAD) {
                 t.topology.prefetch(later.t);
             }
@@ -266,16 +315,13 @@ impl Queue {
             }
         }
         // One that has gone and come again has been queued twice.
-        self.places.sort_unstable();
+        sort(&mut self.places, &control.watch())?;
         self.places.dedup();
         self.judged.clear();
-        judge(&self.places, &mut self.judged);
-        self.judged.retain(|&(_, shortest)| bucket(shortest.to_bits()) == first);
-        self.count += self.judged.len();
-        let entry = |&(tet, shortest): &(u32, f64)| {
-            Reverse(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet })
-        };
-        self.heap = self.judged.iter().map(entry).collect();
+        for part in self.places.chunks(PART) {
+            control.check()?;
+            judge(part, &mut self.judged);
+        }
         Ok(())
     }
 
@@ -334,7 +380,7 @@ mod tests {
                     t.topology.live().filter(|&tet| t.is_inside(tet) && exceeds_radius_edge(t.corners(tet), BOUND));
                 let key = |tet: u32| (shortest_edge(&t, tet).1.to_bits(), sorted(&t, tet));
                 let expected = all.map(key).filter(|(_, v)| !popped.contains(v)).min();
-                let found = queue.pop(&t, |places, out| judge(&t, places, out)).unwrap().map(key);
+                let found = queue.pop(&t, &Control::new(), |places, out| judge(&t, places, out)).unwrap().map(key);
                 assert_eq!(found, expected, "turn {turn}");
                 popped.extend(found.map(|(_, v)| v));
                 count += usize::from(found.is_some());

@@ -11,7 +11,6 @@
 //! tetrahedron bad, then need no vertices: surfaces of mechanical parts get a half to three quarters of the tetrahedra.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use super::limits::Limits;
 use super::near_side::NearSide;
@@ -26,6 +25,7 @@ use crate::domain::pending::Demand;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge, in_fours};
+use crate::parted::PartedMap;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
 use crate::sparsify::Sparsifier;
@@ -73,7 +73,7 @@ pub struct Refiner<'a> {
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
     watching: bool,
     /// Why tetrahedra were left as they are; some of them may have gone since.
-    pub reasons: FxHashMap<[u32; 4], Unrefined>,
+    pub reasons: PartedMap<[u32; 4], Unrefined>,
     /// What is demanded of the splits that the tetrahedron in hand asks for.
     pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
@@ -96,6 +96,15 @@ pub struct Refiner<'a> {
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
+}
+
+/// What a turn of the loop does.
+enum Next {
+    /// A boundary element has been split.
+    Split,
+    /// This tetrahedron is to be mended.
+    Bad(u32),
+    Nothing,
 }
 
 /// Turns of the loop between two progress reports.
@@ -123,7 +132,7 @@ impl<'a> Refiner<'a> {
             arcs: Vec::new(),
             link: Vec::new(),
             watching: false,
-            reasons: FxHashMap::default(),
+            reasons: PartedMap::default(),
             demand: Demand::NONE,
             progress: 0.0,
             records: Vec::new(),
@@ -158,11 +167,18 @@ impl<'a> Refiner<'a> {
             if let Some(status) = self.limit(&mut turns, "refine", control)? {
                 return Ok(status);
             }
-            if self.boundary_step()? {
-                continue;
+            // Very many of those that wait may be stale by now.
+            let next = self.boundary.skip_stale(control).and_then(|()| match self.boundary_step()? {
+                true => Ok(Next::Split),
+                false => Ok(self.next_bad(control)?.map_or(Next::Nothing, Next::Bad)),
+            });
+            match next {
+                Ok(Next::Split) => {}
+                Ok(Next::Bad(t)) => self.mend(t)?,
+                Ok(Next::Nothing) => break,
+                Err(Error::Cancelled) => return Ok(RefineStatus::Cancelled),
+                Err(error) => return Err(error),
             }
-            let Some(t) = self.next_bad()? else { break };
-            self.mend(t)?;
         }
         Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
     }
@@ -210,6 +226,9 @@ impl<'a> Refiner<'a> {
     fn make_room_ahead(&mut self, control: &Control) -> Result<(), Error> {
         self.t.make_room_ahead(control)?;
         self.cavity.grow_for(self.t, control)?;
+        if !self.boundary.is_empty() {
+            self.boundary.grow_for(self.t, control)?;
+        }
         if !self.hole.is_new() {
             self.hole.grow_for(self.t, control)?;
         }
@@ -284,10 +303,10 @@ impl<'a> Refiner<'a> {
     }
 
     /// The tetrahedron to be mended next.
-    fn next_bad(&mut self) -> Result<Option<u32>, Error> {
+    fn next_bad(&mut self, control: &Control) -> Result<Option<u32>, Error> {
         let Refiner { t, queue, sizes, radius_edge, .. } = self;
         let t = &**t;
-        queue.pop(t, |places, out| {
+        queue.pop(t, control, |places, out| {
             let live = |&tet: &u32| t.topology.tet(tet).is_live() && t.is_inside(tet);
             let mut fine = Vec::new();
             for (four, count) in in_fours(places.iter().copied().filter(live)) {

@@ -101,6 +101,11 @@ impl Refiner<'_> {
             if let Some(status) = self.limit(&mut turns, "boundary", control)? {
                 break status;
             }
+            // Most that was missing is there again when something near it has been split.
+            match self.boundary.skip_present(self.t, control) {
+                Err(Error::Cancelled) => break RefineStatus::Cancelled,
+                other => other?,
+            }
             if let Step::Nothing = self.recovery_step(&mut first, Demand::NONE)? {
                 break RefineStatus::Done;
             }

@@ -2,11 +2,11 @@
 //! of them are affinely independent, and that duplicates are found.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use crate::geometry::predicates::{collinear, orient3d};
 use crate::geometry::Sign;
-use crate::leavings::{InPieces, Leavings};
+use crate::leavings::Leavings;
+use crate::parted::PartedMap;
 use crate::{Control, Error};
 
 /// The state below dimension 3. From then on it is only known that four vertices were affinely independent.
@@ -18,53 +18,20 @@ pub struct Lower {
     by_point: ByPoint,
 }
 
-/// Vertices by their coordinates' bits, in many maps: when a large one grows, that takes longer than a cancelled call may go on.
+/// Vertices by their coordinates' bits.
 #[derive(Clone, Debug, Default)]
-pub struct ByPoint(Vec<FxHashMap<[u64; 3], u32>>);
+pub struct ByPoint(PartedMap<[u64; 3], u32>);
 
 impl ByPoint {
-    const MAPS: usize = 256;
-
-    /// The map that a place belongs to.
-    fn map(key: &[u64; 3]) -> usize {
-        // Coordinates may differ in few bits, high or low ones.
-        let mixed = key.iter().fold(0u64, |mixed, &x| (mixed.rotate_left(23) ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        (mixed >> 56) as usize % Self::MAPS
-    }
-
-    fn get(&self, key: &[u64; 3]) -> Option<u32> {
-        self.0.get(Self::map(key))?.get(key).copied()
-    }
-
-    fn insert(&mut self, key: [u64; 3], v: u32) {
-        self.map_of(&key).insert(key, v);
-    }
-
     /// The vertex at a point; it is this one if there was none.
     pub(crate) fn first(&mut self, p: DVec3, v: u32) -> u32 {
-        let key = key(p);
-        *self.map_of(&key).entry(key).or_insert(v)
-    }
-
-    fn map_of(&mut self, key: &[u64; 3]) -> &mut FxHashMap<[u64; 3], u32> {
-        if self.0.is_empty() {
-            self.0.resize_with(Self::MAPS, FxHashMap::default);
-        }
-        &mut self.0[Self::map(key)]
-    }
-
-    fn remove(&mut self, key: &[u64; 3]) {
-        if let Some(map) = self.0.get_mut(Self::map(key)) {
-            map.remove(key);
-        }
+        *self.0.entry_or(key(p), v)
     }
 }
 
 impl Leavings for ByPoint {
     fn give_back(&mut self) -> bool {
-        // A few maps at a time.
-        self.0.truncate(self.0.len().saturating_sub(8));
-        !self.0.is_empty()
+        self.0.give_back()
     }
 }
 
@@ -86,17 +53,12 @@ impl Lower {
 
     /// The vertex at a point, below dimension 3.
     pub fn find(&self, p: DVec3) -> Option<u32> {
-        self.by_point.get(&key(p))
+        self.by_point.0.get(&key(p)).copied()
     }
 
     /// A copy, unless the control says stop.
     pub fn try_clone(&self, control: &Control) -> Result<Lower, Error> {
-        let mut by_point = InPieces::new(ByPoint::default(), control);
-        for map in &self.by_point.0 {
-            control.check()?;
-            by_point.0.push(map.clone());
-        }
-        Ok(Lower { basis: self.basis.clone(), by_point: by_point.keep() })
+        Ok(Lower { basis: self.basis.clone(), by_point: ByPoint(self.by_point.0.try_clone(control)?) })
     }
 
     /// Whether a vertex is one of those that span the dimension: without it all others have to be [added](Self::add) anew.
@@ -107,13 +69,13 @@ impl Lower {
     /// Takes a vertex at `p` out, below dimension 3, that [nothing rests on](Self::rests_on).
     pub fn remove(&mut self, p: DVec3) {
         debug_assert!(self.dimension() < 3);
-        self.by_point.remove(&key(p));
+        self.by_point.0.remove(&key(p));
     }
 
     /// Takes in the new vertex `v` at `p`. Returns the simplex to start from when it was the last one missing for a volume.
     pub fn add(&mut self, v: u32, p: DVec3, points: &[DVec3]) -> Option<[u32; 4]> {
         debug_assert!(self.dimension() < 3);
-        self.by_point.insert(key(p), v);
+        self.by_point.0.insert(key(p), v);
         let at = |i: usize| points[self.basis[i] as usize];
         let independent = match self.basis.len() {
             0 | 1 => true,
@@ -128,7 +90,7 @@ impl Lower {
 
     /// The volume has been triangulated: what is needed no more, without the vertex that was [added](Self::add) last.
     pub fn forget_points(&mut self, last: DVec3) -> ByPoint {
-        self.by_point.remove(&key(last));
+        self.by_point.0.remove(&key(last));
         std::mem::take(&mut self.by_point)
     }
 
@@ -137,7 +99,7 @@ impl Lower {
         if independent {
             self.basis.pop();
         }
-        self.by_point.remove(&key(p));
+        self.by_point.0.remove(&key(p));
     }
 
     /// Takes back what [`forget_points`](Self::forget_points) took out, and the last vertex of the basis.

@@ -35,7 +35,7 @@ mod journal;
 mod labels;
 mod locate;
 mod lower;
-mod order;
+pub mod order;
 mod partition;
 mod pass;
 pub mod remove;

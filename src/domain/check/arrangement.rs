@@ -1,16 +1,16 @@
 //! A complex as plain geometry: points at one place merged, every side of a facet a segment, every facet a set of triangles.
 
-use rustc_hash::FxHashMap;
-
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::boundary::edge_key;
 use crate::domain::facet::dominant_axis;
 use crate::domain::planar::{extent, facet_normal, off_plane, triangles_within, PlanarDefect};
 use crate::domain::plc::Plc;
 use crate::geometry::check_range;
-use crate::leavings::InPieces;
+use crate::leavings::{give_elements_back, InPieces, Leavings};
+use crate::parted::PartedMap;
+use crate::sorting::sort;
 use crate::triangulation::ByPoint;
-use crate::{Control, DVec3, DomainElement, Error};
+use crate::{memory, Control, DVec3, DomainElement, Error};
 
 /// Labels of regions have 16 bits, of which a few values mean something else.
 pub(crate) const MAX_REGIONS: usize = 60_000;
@@ -53,7 +53,7 @@ pub(crate) struct Arrangement {
     /// The first point at the place of each.
     pub first: Vec<u32>,
     pub sides: Vec<Side>,
-    pub side_of: FxHashMap<[u32; 2], u32>,
+    pub side_of: PartedMap<[u32; 2], u32>,
     /// Each with its facet.
     pub triangles: Vec<([u32; 3], u32)>,
     /// The corners of each facet, sorted.
@@ -65,14 +65,20 @@ pub(crate) struct Arrangement {
 impl Arrangement {
     /// Takes a complex apart; elements that are defective by themselves are noted and left out.
     pub fn new(plc: &Plc, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<Arrangement, Error> {
-        let mut new = Arrangement {
-            points: plc.points.clone(),
-            corners: vec![Vec::new(); plc.facets.len()],
-            inside: vec![Vec::new(); plc.facets.len()],
-            ..Arrangement::default()
-        };
+        let mut new = InPieces::new(Arrangement::default(), control);
+        new.points = memory::copied(&plc.points, "points", control)?;
         new.merge_points(defects, control)?;
+        // Most facets are triangles.
+        memory::reserve(&mut new.triangles, plc.facets.len(), "facets")?;
+        memory::reserve(&mut new.sides, plc.segments.len() + plc.facets.len() + plc.facets.len() / 2, "sides")?;
+        memory::reserve_exact(&mut new.corners, plc.facets.len(), "facets")?;
+        memory::reserve_exact(&mut new.inside, plc.facets.len(), "facets")?;
         let turns = control.turns();
+        for _ in &plc.facets {
+            turns.check()?;
+            new.corners.push(Vec::new());
+            new.inside.push(Vec::new());
+        }
         for (i, segment) in plc.segments.iter().enumerate() {
             turns.check()?;
             new.add_segment(i, segment.ends, defects);
@@ -80,10 +86,10 @@ impl Arrangement {
         let extent = extent(&plc.points);
         for i in 0..plc.facets.len() {
             control.check()?;
-            new.add_facet((plc, extent), i, defects);
+            new.add_facet((plc, extent), i, defects, control)?;
         }
         check_seeds(plc, defects);
-        Ok(new)
+        Ok(new.keep())
     }
 
     fn merge_points(&mut self, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<(), Error> {
@@ -121,7 +127,7 @@ impl Arrangement {
     fn side(&mut self, ends: [u32; 2]) -> &mut Side {
         let key = edge_key(ends);
         let next = self.sides.len() as u32;
-        let index = *self.side_of.entry(key).or_insert(next);
+        let index = *self.side_of.entry_or(key, next);
         if index == next {
             self.sides.push(Side { ends: key, listed: None, facets: Vec::new(), between: Vec::new() });
         }
@@ -146,16 +152,22 @@ impl Arrangement {
         }
     }
 
-    fn add_facet(&mut self, (plc, extent): (&Plc, f64), index: usize, defects: &mut Vec<PlcDefect>) {
+    fn add_facet(
+        &mut self,
+        (plc, extent): (&Plc, f64),
+        index: usize,
+        defects: &mut Vec<PlcDefect>,
+        control: &Control,
+    ) -> Result<(), Error> {
         let element = DomainElement::Facet(index);
         let facet = &plc.facets[index];
         if facet.polygons.is_empty() || facet.polygons.iter().any(Vec::is_empty) {
             defects.push(PlcDefect::new(PlcDefectKind::Empty, [element], DVec3::NAN));
-            return;
+            return Ok(());
         }
         if facet.holes.iter().any(|hole| !hole.is_finite()) {
             defects.push(PlcDefect::new(PlcDefectKind::NotFinite, [element], DVec3::NAN));
-            return;
+            return Ok(());
         }
         let mut vertices = Vec::new();
         let mut sides = Vec::new();
@@ -174,33 +186,50 @@ impl Arrangement {
                 }
             }
         }
-        vertices.sort_unstable();
+        sort(&mut vertices, &control.watch())?;
         vertices.dedup();
-        sides.sort_unstable();
+        sort(&mut sides, &control.watch())?;
         sides.dedup();
         if defects.len() > before || vertices.is_empty() {
-            return;
+            return Ok(());
         }
         let place = |v: u32| plc.points[v as usize];
         let Some(normal) = facet_normal(&self.points, &vertices) else {
             defects.push(PlcDefect::new(PlcDefectKind::NoArea, [element], place(vertices[0])));
-            return;
+            return Ok(());
         };
         if let Some((v, off)) = off_plane(&self.points, &vertices, normal, extent) {
             defects.push(PlcDefect::new(PlcDefectKind::NotPlanar, [element], place(v)).measured(off));
-            return;
+            return Ok(());
         }
-        match triangles_within(&self.points, &vertices, &sides, &[], dominant_axis(normal), &facet.holes) {
+        let axis = dominant_axis(normal);
+        match triangles_within(&self.points, &vertices, (&sides, &[]), axis, &facet.holes, control)? {
             Ok(triangles) => self.triangles.extend(triangles.into_iter().map(|t| (t, index as u32))),
             Err(PlanarDefect::Range(v) | PlanarDefect::Crossing([v, _]) | PlanarDefect::SamePlace(v, _)) => {
                 defects.push(PlcDefect::new(PlcDefectKind::CrossingSides, [element], place(v)));
-                return;
+                return Ok(());
             }
         }
+        let turns = control.turns();
         for ends in sides {
+            turns.check()?;
             self.side(ends).facets.push(index as u32);
         }
         self.corners[index] = vertices;
+        Ok(())
+    }
+}
+
+/// Sides or facets given back at once.
+const PART: usize = 1 << 12;
+
+impl Leavings for Arrangement {
+    fn give_back(&mut self) -> bool {
+        let Arrangement { points, first, sides, side_of, triangles, corners, inside } = self;
+        if points.give_back() || first.give_back() || side_of.give_back() || triangles.give_back() {
+            return true;
+        }
+        give_elements_back(sides, PART) || give_elements_back(corners, PART) || give_elements_back(inside, PART)
     }
 }
 

@@ -1,43 +1,56 @@
 //! Open and branching edges, and the smallest angles between segments and between facets.
 
 use rstar::RTree;
-use rustc_hash::FxHashMap;
 
 use super::arrangement::Arrangement;
 use super::defect::{PlcDefect, PlcDefectKind};
 use super::{PlcCheck, SmallAngle};
 use crate::domain::boundary::edge_key;
-use crate::{DVec3, DomainElement};
+use crate::leavings::InPieces;
+use crate::sorting::{sort, sort_by};
+use crate::{Control, DVec3, DomainElement, Error};
 
 /// Up to this many directions are compared pair by pair.
 const FEW: usize = 48;
 
-pub(super) fn find(a: &Arrangement, check: &mut PlcCheck) {
+/// A triangle at an edge, which is a part of a side.
+#[derive(Clone, Copy)]
+struct AtEdge {
+    edge: [u32; 2],
+    triangle: u32,
+    /// The corner that is not on the edge.
+    apex: u32,
+    facet: u32,
+}
+
+pub(super) fn find(a: &Arrangement, check: &mut PlcCheck, control: &Control) -> Result<(), Error> {
+    let turns = control.turns();
     // A side that is cut in the points on it has its parts as edges.
-    let mut around: FxHashMap<[u32; 2], Vec<(u32, u32)>> = FxHashMap::default();
-    for &(triangle, facet) in &a.triangles {
-        for i in 0..3 {
-            let [v, w, apex] = [0, 1, 2].map(|k| triangle[(i + k) % 3]);
+    let mut around = InPieces::new(Vec::new(), control);
+    for (i, &(triangle, facet)) in a.triangles.iter().enumerate() {
+        turns.check()?;
+        for k in 0..3 {
+            let [v, w, apex] = [0, 1, 2].map(|j| triangle[(k + j) % 3]);
             let Some(&side) = a.side_of.get(&edge_key([v, w])) else { continue };
-            for part in a.sides[side as usize].parts() {
-                around.entry(edge_key(part)).or_default().push((apex, facet));
-            }
+            let parts = a.sides[side as usize].parts();
+            around.extend(parts.map(|part| AtEdge { edge: edge_key(part), triangle: i as u32, apex, facet }));
         }
     }
-    let mut edges: Vec<_> = around.into_iter().collect();
-    edges.sort_unstable_by_key(|&(edge, _)| edge);
-    for (edge, facets) in &edges {
-        let [p, q] = edge.map(|v| a.points[v as usize]);
+    sort_by(&mut around, &control.watch(), |x, y| (x.edge, x.triangle).cmp(&(y.edge, y.triangle)))?;
+    for facets in around.chunk_by(|x, y| x.edge == y.edge) {
+        turns.check()?;
+        let [p, q] = facets[0].edge.map(|v| a.points[v as usize]);
         let kind = match facets.len() {
             1 => PlcDefectKind::OpenEdge,
             2 => continue,
             _ => PlcDefectKind::NonManifoldEdge,
         };
-        let element = DomainElement::Facet(facets[0].1 as usize);
+        let element = DomainElement::Facet(facets[0].facet as usize);
         check.defects.push(PlcDefect::new(kind, [element], 0.5 * p + 0.5 * q).measured(facets.len() as f64));
     }
-    check.facet_angle = facet_angle(a, &edges);
-    check.segment_angle = segment_angle(a);
+    check.facet_angle = facet_angle(a, &around, control)?;
+    check.segment_angle = segment_angle(a, control)?;
+    Ok(())
 }
 
 /// The smallest of those that there are.
@@ -47,18 +60,18 @@ fn smaller(angle: SmallAngle, least: &mut Option<SmallAngle>) {
     }
 }
 
-type Edge = ([u32; 2], Vec<(u32, u32)>);
-
 /// Around each edge the facets in the order of their angle: the smallest is between two neighbours.
-fn facet_angle(a: &Arrangement, edges: &[Edge]) -> Option<SmallAngle> {
+fn facet_angle(a: &Arrangement, around: &[AtEdge], control: &Control) -> Result<Option<SmallAngle>, Error> {
     let mut least = None;
-    for (edge, facets) in edges.iter().filter(|(_, facets)| facets.len() > 1) {
-        let [p, q] = edge.map(|v| a.points[v as usize]);
+    let watch = control.turns();
+    for facets in around.chunk_by(|x, y| x.edge == y.edge).filter(|facets| facets.len() > 1) {
+        watch.check()?;
+        let [p, q] = facets[0].edge.map(|v| a.points[v as usize]);
         let along = (q - p).normalize_or_zero();
         let across = |apex: u32| (a.points[apex as usize] - p).reject_from_normalized(along).normalize_or_zero();
-        let (u, w) = (across(facets[0].0), along.cross(across(facets[0].0)));
-        let mut turns: Vec<(f64, u32)> =
-            facets.iter().map(|&(apex, facet)| (across(apex).dot(w).atan2(across(apex).dot(u)), facet)).collect();
+        let (u, w) = (across(facets[0].apex), along.cross(across(facets[0].apex)));
+        let turn = |x: &AtEdge| (across(x.apex).dot(w).atan2(across(x.apex).dot(u)), x.facet);
+        let mut turns: Vec<(f64, u32)> = facets.iter().map(turn).collect();
         turns.sort_by(|s, t| s.0.total_cmp(&t.0).then(s.1.cmp(&t.1)));
         for i in 0..turns.len() {
             let (s, t) = (turns[i], turns[(i + 1) % turns.len()]);
@@ -68,19 +81,22 @@ fn facet_angle(a: &Arrangement, edges: &[Edge]) -> Option<SmallAngle> {
             smaller(SmallAngle { degrees, elements, place: 0.5 * p + 0.5 * q }, &mut least);
         }
     }
-    least
+    Ok(least)
 }
 
-fn segment_angle(a: &Arrangement) -> Option<SmallAngle> {
-    let mut ends: Vec<(u32, u32, u32)> = Vec::new();
+fn segment_angle(a: &Arrangement, control: &Control) -> Result<Option<SmallAngle>, Error> {
+    let mut ends = InPieces::new(Vec::new(), control);
+    let turns = control.turns();
     for (i, side) in a.sides.iter().enumerate() {
+        turns.check()?;
         for [v, w] in side.parts() {
             ends.extend([(v, w, i as u32), (w, v, i as u32)]);
         }
     }
-    ends.sort_unstable();
+    sort(&mut ends, &control.watch())?;
     let mut least = None;
-    for at_point in ends.chunk_by(|e, f| e.0 == f.0) {
+    for at_point in ends.chunk_by(|e: &(u32, u32, u32), f| e.0 == f.0) {
+        turns.check()?;
         // Parts of two sides may be the same.
         let mut at_point = at_point.to_vec();
         at_point.dedup_by_key(|&mut (_, w, _)| w);
@@ -93,7 +109,7 @@ fn segment_angle(a: &Arrangement) -> Option<SmallAngle> {
         let elements = [i, j].map(|k| a.sides[at_point[k].2 as usize].element());
         smaller(SmallAngle { degrees, elements, place: center }, &mut least);
     }
-    least
+    Ok(least)
 }
 
 /// The two closest of some unit vectors.

@@ -7,8 +7,6 @@
 //! Points that nothing else names, such as the nodes of a surface mesh, belong to a side or facet within the tolerance that a facet's own corners have:
 //! on a slanted plane they can't lie exactly. Taken for points beside it, they would ask for edges as short as the last bits of coordinates.
 
-use rustc_hash::{FxHashMap, FxHashSet};
-
 use super::arrangement::Arrangement;
 use super::boxes::Boxes;
 use super::defect::{PlcDefect, PlcDefectKind};
@@ -17,6 +15,9 @@ use crate::domain::planar::{extent, facet_normal, size_from, PLANARITY};
 use crate::domain::plc::Plc;
 use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
+use crate::leavings::InPieces;
+use crate::parted::PartedMap;
+use crate::sorting::{sort, sort_by};
 use crate::{Control, DVec3, DomainElement, Error};
 
 /// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
@@ -29,7 +30,7 @@ pub(super) fn find(
     let at = |v: u32| a.points[v as usize];
     let sides = Boxes::new(a.sides.iter().map(|side| side.ends.map(at)), control)?;
     let triangles = Boxes::new(a.triangles.iter().map(|(triangle, _)| triangle.map(at)), control)?;
-    let (alone, reach) = (alone(a), PLANARITY * extent(&a.points));
+    let (alone, reach) = (alone(a, control)?, PLANARITY * extent(&a.points));
     let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
     points_on_sides(a, &sides, &reach_of, defects, control)?;
     points_in_facets(a, &triangles, &reach_of, defects, control)?;
@@ -45,11 +46,14 @@ fn usable_points(a: &Arrangement) -> impl Iterator<Item = u32> + '_ {
 }
 
 /// Of each point whether it stands alone: no side or facet names it.
-fn alone(a: &Arrangement) -> Vec<bool> {
+fn alone(a: &Arrangement, control: &Control) -> Result<Vec<bool>, Error> {
     let mut alone = vec![true; a.points.len()];
-    let named = a.sides.iter().flat_map(|side| side.ends).chain(a.corners.iter().flatten().copied());
-    named.for_each(|v| alone[v as usize] = false);
-    alone
+    let turns = control.turns();
+    for v in a.sides.iter().flat_map(|side| side.ends).chain(a.corners.iter().flatten().copied()) {
+        turns.check()?;
+        alone[v as usize] = false;
+    }
+    Ok(alone)
 }
 
 /// Whether `p` lies on the line `qr` between its ends, as nearly as a corner has to lie in its facet.
@@ -86,10 +90,12 @@ fn points_on_sides(
         a.sides[side as usize].between.push(v);
     }
     let points = &a.points;
-    for side in a.sides.iter_mut().filter(|side| side.between.len() > 1) {
+    let turns = control.turns();
+    for side in &mut a.sides {
+        turns.check()?;
         let start = points[side.ends[0] as usize];
         let distance = |&v: &u32| points[v as usize].distance_squared(start);
-        side.between.sort_by(|v, w| distance(v).total_cmp(&distance(w)));
+        sort_by(&mut side.between, &control.watch(), |v, w| distance(v).total_cmp(&distance(w)).then(v.cmp(w)))?;
     }
     Ok(())
 }
@@ -140,7 +146,7 @@ fn points_in_facets(
     control: &Control,
 ) -> Result<(), Error> {
     let mut found = Vec::new();
-    let mut planes: FxHashMap<u32, Option<Plane>> = FxHashMap::default();
+    let mut planes: PartedMap<u32, Option<Plane>> = PartedMap::default();
     for v in usable_points(a) {
         control.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
@@ -153,22 +159,33 @@ fn points_in_facets(
             let [x, y, z] = triangle.map(|v| a.points[v as usize]);
             let exactly = orient3d(x, y, z, p) == Sign::Zero && in_triangle([x, y, z], p);
             let mut nearly = || {
-                let plane = planes.entry(facet).or_insert_with(|| Plane::new(&a.points, corners));
-                reach > 0.0 && plane.as_ref().is_some_and(|plane| plane.has_near([x, y, z], p))
+                if reach > 0.0 && !planes.contains_key(&facet) {
+                    planes.insert(facet, Plane::new(&a.points, corners));
+                }
+                let plane = planes.get(&facet).and_then(Option::as_ref);
+                reach > 0.0 && plane.is_some_and(|plane| plane.has_near([x, y, z], p))
             };
             if exactly || nearly() {
                 found.push((facet, v));
             }
         }
     }
-    let mut on_sides: FxHashSet<(u32, u32)> = FxHashSet::default();
-    for side in a.sides.iter().filter(|side| !side.between.is_empty()) {
-        on_sides.extend(side.facets.iter().flat_map(|&facet| side.between.iter().map(move |&v| (facet, v))));
+    let turns = control.turns();
+    let mut on_sides = InPieces::new(PartedMap::default(), control);
+    for side in &a.sides {
+        turns.check()?;
+        for pair in side.facets.iter().flat_map(|&facet| side.between.iter().map(move |&v| (facet, v))) {
+            turns.check()?;
+            on_sides.insert(pair, ());
+        }
     }
-    found.retain(|pair| !on_sides.contains(pair));
-    found.sort_unstable();
+    sort(&mut found, &control.watch())?;
     found.dedup();
     for (facet, v) in found {
+        turns.check()?;
+        if on_sides.contains_key(&(facet, v)) {
+            continue;
+        }
         let elements = [DomainElement::Point(v as usize), DomainElement::Facet(facet as usize)];
         defects.push(PlcDefect::new(PlcDefectKind::PointOnFacet, elements, a.points[v as usize]));
         a.inside[facet as usize].push(v);
@@ -188,7 +205,7 @@ fn sides_across_sides(
         // Sides of one facet are the facet's own affair.
         i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
     };
-    for (i, j) in boxes.pairs(boxes, apart, control)? {
+    for &(i, j) in &*InPieces::new(boxes.pairs(boxes, apart, control)?, control) {
         turns.check()?;
         let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
         let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
@@ -222,8 +239,8 @@ fn sides_through_facets(
         let (side, (triangle, facet)) = (&a.sides[i as usize], &a.triangles[j as usize]);
         !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
     };
-    let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
-    for (i, j) in sides.pairs(triangles, apart, control)? {
+    let mut found = PartedMap::default();
+    for &(i, j) in &*InPieces::new(sides.pairs(triangles, apart, control)?, control) {
         turns.check()?;
         let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
         let [p, q] = side.ends.map(|v| a.points[v as usize]);
@@ -243,7 +260,7 @@ fn sides_through_facets(
             [k] => !a.side_of.contains_key(&crate::domain::boundary::edge_key([triangle[k], triangle[(k + 1) % 3]])),
             _ => false,
         };
-        if across && found.insert((i, facet)) {
+        if across && found.insert((i, facet), ()).is_none() {
             let normal = (y - x).cross(z - x);
             let (above, below) = ((p - x).dot(normal).abs(), (q - x).dot(normal).abs());
             let place = p + (q - p) * (above / (above + below).max(f64::MIN_POSITIVE));
@@ -262,17 +279,17 @@ fn facets_in_one_plane(
     control: &Control,
 ) -> Result<(), Error> {
     let turns = control.turns();
-    let mut found: FxHashSet<(u32, u32)> = FxHashSet::default();
+    let mut found = PartedMap::default();
     let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
-    for (i, j) in boxes.pairs(boxes, apart, control)? {
+    for &(i, j) in &*InPieces::new(boxes.pairs(boxes, apart, control)?, control) {
         turns.check()?;
         let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
         let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));
         let in_plane = |v: DVec3| orient3d(p[0], p[1], p[2], v) == Sign::Zero;
-        if found.contains(&(f, g)) || !q.into_iter().all(in_plane) || !overlap(p, q) {
+        if found.contains_key(&(f, g)) || !q.into_iter().all(in_plane) || !overlap(p, q) {
             continue;
         }
-        found.insert((f, g));
+        found.insert((f, g), ());
         let same = a.corners[f as usize] == a.corners[g as usize] && {
             let sides = |i: u32| plc.facets[i as usize].polygons.iter().map(Vec::len).sum::<usize>();
             sides(f) == sides(g)

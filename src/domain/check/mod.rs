@@ -23,6 +23,8 @@ mod tests;
 pub use defect::{PlcDefect, PlcDefectKind, Severity};
 
 use super::plc::Plc;
+use crate::leavings::InPieces;
+use crate::sorting::sort_by;
 use crate::{Control, DVec3, DomainElement, Error};
 use arrangement::Arrangement;
 
@@ -67,28 +69,39 @@ impl Plc {
         self.check_within(&Control::new()).unwrap_or_default()
     }
 
-    /// [`check`](Self::check), unless a control cancels it: [`Error::Cancelled`]. That is not looked at while the trees of bounding boxes are made.
+    /// [`check`](Self::check), unless a control cancels it: [`Error::Cancelled`].
     pub fn check_within(&self, control: &Control) -> Result<PlcCheck, Error> {
-        self.examine(true, control).map(|(check, _)| check)
+        let (check, arrangement) = self.examine(true, control)?;
+        control.give_back(arrangement);
+        Ok(check)
     }
 
     /// The complex taken apart, or the first error.
     pub(crate) fn arrange(&self, control: &Control) -> Result<Arrangement, Error> {
         let (check, arrangement) = self.examine(false, control)?;
+        let arrangement = InPieces::new(arrangement, control);
         let first = check.errors().next().map(PlcDefect::error);
-        first.map_or(Ok(arrangement), Err)
+        first.map_or_else(|| Ok(arrangement.keep()), Err)
     }
 
     /// With `all`, also what is no error and only of interest.
     fn examine(&self, all: bool, control: &Control) -> Result<(PlcCheck, Arrangement), Error> {
         let mut check = PlcCheck::default();
-        let mut arrangement = Arrangement::new(self, &mut check.defects, control)?;
+        let mut arrangement = InPieces::new(Arrangement::new(self, &mut check.defects, control)?, control);
         meet::find(self, &mut arrangement, &mut check.defects, control)?;
         control.check()?;
         if all {
-            edges::find(&arrangement, &mut check);
+            edges::find(&arrangement, &mut check, control)?;
         }
-        check.defects.sort_by(PlcDefect::order);
-        Ok((check, arrangement))
+        check.defects = in_order(std::mem::take(&mut check.defects), control)?;
+        Ok((check, arrangement.keep()))
     }
+}
+
+/// Defects in their order; those that are alike in it, as they were found.
+fn in_order(defects: Vec<PlcDefect>, control: &Control) -> Result<Vec<PlcDefect>, Error> {
+    let mut order: Vec<usize> = (0..defects.len()).collect();
+    sort_by(&mut order, &control.watch(), |&i, &j| PlcDefect::order(&defects[i], &defects[j]).then(i.cmp(&j)))?;
+    let mut defects: Vec<Option<PlcDefect>> = defects.into_iter().map(Some).collect();
+    Ok(order.into_iter().filter_map(|i| defects[i].take()).collect())
 }
