@@ -1,4 +1,4 @@
-//! Points as bad as they come, a hundred thousand of each kind but those on a sphere; the ignored tests, which script/check runs, take ten times as many. What the answer is,
+//! Points as bad as they come, a hundred thousand of each kind but those on a sphere; the ignored tests, which script/check runs, take a million. What the answer is,
 //! wsp_triangulation_insert and wsp_triangulation_dimension document: equal points are one vertex; points on a line or in a plane have no tetrahedra, leave
 //! nothing to refine, and are triangulated when the first point beside them comes; points on a sphere have the one triangulation that the
 //! perturbation chooses, in whatever order they come.

@@ -209,12 +209,11 @@ pub fn outline_of(facet: &PlcFacet, control: &Control) -> Result<(Vec<u32>, Vec<
     Ok((vertices, sides))
 }
 
+/// A facet's triangles as seen along an axis.
+type Seen = (usize, Vec<[u32; 3]>);
+
 /// The dominant axis of a facet's normal, and its triangles; none when it can't be triangulated.
-pub fn triangles_of_facet(
-    points: &[DVec3],
-    facet: &PlcFacet,
-    control: &Control,
-) -> Result<Option<(usize, Vec<[u32; 3]>)>, Error> {
+pub fn triangles_of_facet(points: &[DVec3], facet: &PlcFacet, control: &Control) -> Result<Option<Seen>, Error> {
     let (vertices, sides) = outline_of(facet, control)?;
     let Some(normal) = facet_normal(points, &vertices) else { return Ok(None) };
     let axis = dominant_axis(normal);

@@ -32,8 +32,9 @@ pub fn encroaches_facet([a, b, c]: [DVec3; 3], p: DVec3) -> bool {
     let m = (u.length_squared() * v - v.length_squared() * u).cross(n);
     let (left, right) = (w.length_squared() * n.length_squared(), w.dot(m));
     let length = u.length_squared().max(v.length_squared());
-    // Off by at most 30u of |w|²·length⁴ and 90u of |w|·length⁵.
-    let error = 3e-14 * (w.length_squared() * length * length + w.length() * length * length * length.sqrt());
+    // Off by at most 30u of |w|²·length⁴ and 90u of |w|·length⁵, and by what products of six lengths lose to underflow.
+    let relative = w.length_squared() * length * length + w.length() * length * length * length.sqrt();
+    let error = 3e-14 * relative + f64::MIN_POSITIVE;
     if (left - right).abs() > error {
         return left < right;
     }
@@ -65,5 +66,22 @@ mod tests {
         assert!(!encroaches_facet(t, DVec3::X));
         assert!(encroaches_facet(t, apex * (1.0 - 1e-15)));
         assert!(!encroaches_facet(t, apex * (1.0 + 1e-15)));
+    }
+
+    /// Found by fuzzing: products of six such lengths underflow, which the filter did not know.
+    #[test]
+    fn underflow_decides_nothing() {
+        let far = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let t = [
+            far(2.5353799723618916e-40, 2.535379972361901e-40, 2.5353799723617966e-40),
+            far(2.5353799723617966e-40, 2.5353799723617966e-40, 2.5353799723618e-40),
+            far(2.5353799723617966e-40, 2.5353799723617966e-40, 2.535379972361803e-40),
+        ];
+        let p = far(2.535379972361891e-40, 2.535379972361901e-40, 2.5353799723617933e-40);
+        let exactly = exact_sign!(ball_excess(t[0], t[1], t[2], p)) == Sign::Negative;
+        assert_eq!(encroaches_facet(t, p), exactly);
+        // The same, so much larger that nothing underflows.
+        let scale = 2f64.powi(130);
+        assert_eq!(encroaches_facet(t.map(|q| q * scale), p * scale), exactly);
     }
 }
