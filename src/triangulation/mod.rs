@@ -35,7 +35,7 @@ mod journal;
 mod labels;
 mod locate;
 mod lower;
-pub mod order;
+mod order;
 mod partition;
 mod pass;
 pub mod remove;
@@ -61,6 +61,7 @@ use topology::{Topology, GHOST, NONE};
 
 pub use insert::Inserted;
 pub use locate::Location;
+pub(crate) use order::try_spatial_order;
 pub use validate::Defect;
 
 /// A Delaunay triangulation of points of any dimension.
