@@ -85,11 +85,17 @@ pub(crate) fn copied_with_room<T: Copy + Send + 'static>(
     control: &Control,
 ) -> Result<Vec<T>, Error> {
     let mut list = room_in_pieces(from.len() + more, what, control)?;
+    extend(&mut list, from, control)?;
+    Ok(list.keep())
+}
+
+/// Puts elements behind a list that has the room for them, as many as the control lets it.
+fn extend<T: Copy>(list: &mut Vec<T>, from: &[T], control: &Control) -> Result<(), Error> {
     for block in from.chunks(BLOCK.min(PIECE / size_of::<T>().max(1))) {
         control.check()?;
         list.extend_from_slice(block);
     }
-    Ok(list.keep())
+    Ok(())
 }
 
 /// [`copied`], for a queue.
@@ -99,12 +105,10 @@ pub(crate) fn copied_queue<T: Copy + Send + 'static>(
     control: &Control,
 ) -> Result<VecDeque<T>, Error> {
     let (head, tail) = from.as_slices();
-    let mut list = copied_with_room(head, tail.len(), what, control)?;
-    for block in tail.chunks(BLOCK) {
-        control.check()?;
-        list.extend_from_slice(block);
-    }
-    Ok(list.into())
+    let mut list = room_in_pieces(from.len(), what, control)?;
+    extend(&mut list, head, control)?;
+    extend(&mut list, tail, control)?;
+    Ok(list.keep().into())
 }
 
 /// Room for so many more elements, and for as many as there are if that is not there yet: what [`reserve`] does, but in pieces, and [`Error::Cancelled`] when the control

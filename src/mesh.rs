@@ -92,7 +92,7 @@ impl Mesh {
 
     /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
     pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
-        let parts = InPieces::new(plc.arrange(control)?, control);
+        let parts = plc.arrange(control)?;
         let mut mesh = InPieces::new(Mesh::new(), control);
         mesh.set_threads(threads);
         let ids = mesh.t.insert_many(&plc.points, control)?.ok_or(Error::Cancelled)?;

@@ -1,6 +1,7 @@
 //! A hash map in parts. When a map of a million entries grows, is copied or is dropped, that takes longer than a cancelled call may go on; a part of one does
 //! not. A map that stays small is one part.
 
+use std::collections::hash_map::Entry;
 use std::collections::TryReserveError;
 use std::hash::{BuildHasher, Hash};
 
@@ -101,9 +102,9 @@ impl<K: Copy + Eq + Hash, V> PartedMap<K, V> {
         self.part_for(&key).insert(key, value)
     }
 
-    /// The value of a key; it is put in if there is none.
-    pub fn entry_or(&mut self, key: K, value: V) -> &mut V {
-        self.part_for(&key).entry(key).or_insert(value)
+    /// The place of a key, as other maps have it.
+    pub fn entry(&mut self, key: K) -> Entry<'_, K, V> {
+        self.part_for(&key).entry(key)
     }
 
     pub fn remove(&mut self, key: &K) -> Option<V> {
@@ -161,7 +162,7 @@ impl<K: Copy + Eq + Hash + Ord + Send + 'static, V: Clone + Send + 'static> Part
     }
 
     /// Its keys in order, unless the control says stop.
-    pub fn sorted_keys(&self, control: &Control) -> Result<Vec<K>, Error> {
+    pub fn sorted_keys<'a>(&self, control: &'a Control) -> Result<InPieces<'a, Vec<K>>, Error> {
         let mut keys = memory::room_in_pieces(self.len(), "keys", control)?;
         let turns = control.turns();
         for &key in self.keys() {
@@ -169,7 +170,7 @@ impl<K: Copy + Eq + Hash + Ord + Send + 'static, V: Clone + Send + 'static> Part
             keys.push(key);
         }
         sort(&mut keys, &control.watch())?;
-        Ok(keys.keep())
+        Ok(keys)
     }
 
     /// Changes the keys by `f`, which may change the values too, and leaves out entries for which there is none. The map is empty when the control says stop.
@@ -201,16 +202,6 @@ impl<K: Send, V: Send> Leavings for PartedMap<K, V> {
     }
 }
 
-impl<K: Copy + Eq + Hash, V> FromIterator<(K, V)> for PartedMap<K, V> {
-    fn from_iter<I: IntoIterator<Item = (K, V)>>(entries: I) -> Self {
-        let mut map = PartedMap::default();
-        for (key, value) in entries {
-            map.insert(key, value);
-        }
-        map
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,7 +220,7 @@ mod tests {
             } else if turn % 2 == 0 {
                 assert_eq!(parted.insert(key, turn), plain.insert(key, turn));
             } else {
-                assert_eq!(parted.entry_or(key, turn), plain.entry(key).or_insert(turn));
+                assert_eq!(parted.entry(key).or_insert(turn), plain.entry(key).or_insert(turn));
             }
             assert_eq!(parted.get(&[turn, 0]), plain.get(&[turn, 0]));
         }
@@ -250,7 +241,7 @@ mod tests {
         renamed.rekey(&control, |[a, b], _| (a % 2 == 0).then_some([a / 2, b])).unwrap();
         let halves = expected.iter().filter(|([a, _], _)| a % 2 == 0).map(|&([a, b], v)| ([a / 2, b], v));
         assert!(entries(&renamed).into_iter().eq(halves));
-        assert!(parted.sorted_keys(&control).unwrap().into_iter().eq(expected.iter().map(|&(k, _)| k)));
+        assert!(parted.sorted_keys(&control).unwrap().keep().into_iter().eq(expected.iter().map(|&(k, _)| k)));
         assert_eq!(control.looks(None, || drop(parted.try_clone(&control))), PARTS / PIECE + 1);
         control.cancel();
         assert!(parted.try_clone(&control).is_err() && parted.rekey(&control, |key, _| Some(key)).is_err());

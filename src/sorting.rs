@@ -15,6 +15,13 @@ pub(crate) fn sort<T: Copy + Ord>(list: &mut [T], watch: &Watch<'_>) -> Result<(
     sort_by(list, watch, T::cmp)
 }
 
+/// [`sort`], and of what is there several times one remains.
+pub(crate) fn sort_unique<T: Copy + Ord>(list: &mut Vec<T>, watch: &Watch<'_>) -> Result<(), Error> {
+    sort(list, watch)?;
+    list.dedup();
+    Ok(())
+}
+
 /// [`sort`] by an order of which no two elements are the same.
 pub(crate) fn sort_by<T: Copy>(
     list: &mut [T],

@@ -305,49 +305,44 @@ impl Boundary {
         self.pending_facets.iter().copied().find(|&(face, demand)| self.waits_facet(face, demand)).map(|(face, _)| face)
     }
 
-    /// Takes the next subsegment to split off its queue.
-    pub(crate) fn pop_segment(&mut self) -> Option<([u32; 2], Demand)> {
-        while let Some((edge, demand)) = self.pending_segments.pop_front() {
-            if self.waits_segment(edge, demand) {
-                return Some((edge, demand));
-            }
-        }
-        None
+    /// Takes the next subsegment to split off its queue; [`Error::Cancelled`], and nothing that waits is lost, when it shall not go on.
+    pub(crate) fn pop_segment(&mut self, go_on: &dyn Fn() -> bool) -> Result<Option<([u32; 2], Demand)>, Error> {
+        self.pop(go_on, |b| &mut b.pending_segments, |b, &(edge, demand)| b.waits_segment(edge, demand))
     }
 
-    /// Takes the next subfacet to split off its queue.
-    pub(crate) fn pop_facet(&mut self) -> Option<([u32; 3], Demand)> {
-        while let Some((face, demand)) = self.pending_facets.pop_front() {
-            if self.waits_facet(face, demand) {
-                return Some((face, demand));
-            }
-        }
-        None
+    /// [`pop_segment`](Self::pop_segment) for the next subfacet to split.
+    pub(crate) fn pop_facet(&mut self, go_on: &dyn Fn() -> bool) -> Result<Option<([u32; 3], Demand)>, Error> {
+        self.pop(go_on, |b| &mut b.pending_facets, |b, &(face, demand)| b.waits_facet(face, demand))
     }
 
-    /// Takes entries that need no split any more off the front of the queues, as far as the control says go on.
-    pub(crate) fn skip_stale(&mut self, control: &Control) -> Result<(), Error> {
-        while let Some(&(edge, demand)) = self.pending_segments.front() {
-            if self.waits_segment(edge, demand) {
-                break;
+    /// Takes entries off the front of a queue, up to the first that `waits`. Very many may be stale by their turn.
+    fn pop<T>(
+        &mut self,
+        go_on: &dyn Fn() -> bool,
+        queue: impl Fn(&mut Self) -> &mut VecDeque<T>,
+        waits: impl Fn(&Self, &T) -> bool,
+    ) -> Result<Option<T>, Error> {
+        while !queue(self).is_empty() {
+            if !go_on() {
+                return Err(Error::Cancelled);
             }
-            control.check()?;
-            self.pending_segments.pop_front();
-        }
-        while let Some(&(face, demand)) = self.pending_facets.front() {
-            if self.waits_facet(face, demand) {
-                break;
+            let entry = queue(self).pop_front();
+            if entry.as_ref().is_some_and(|entry| waits(self, entry)) {
+                return Ok(entry);
             }
-            control.check()?;
-            self.pending_facets.pop_front();
         }
-        Ok(())
+        Ok(None)
     }
 
-    /// [`skip_stale`](Self::skip_stale), to the end.
+    /// Takes entries that need no split any more off the front of the queues.
     pub(crate) fn drop_stale(&mut self) {
         // Nobody cancels it.
-        let _ = self.skip_stale(&Control::new());
+        if let Ok(Some(entry)) = self.pop_segment(&|| true) {
+            self.pending_segments.push_front(entry);
+        }
+        if let Ok(Some(entry)) = self.pop_facet(&|| true) {
+            self.pending_facets.push_front(entry);
+        }
     }
 
     /// Room for what comes when the triangulation has that of so many vertices, made in pieces.
@@ -394,7 +389,7 @@ impl Boundary {
         let (mut segments, mut facets) = (InPieces::new(Vec::new(), control), InPieces::new(Vec::new(), control));
         let mut missing_segments = InPieces::new(Vec::new(), control);
         let mut missing_facets = InPieces::new(Vec::new(), control);
-        for &edge in &*InPieces::new(self.subsegments.sorted_keys(control)?, control) {
+        for &edge in &*self.subsegments.sorted_keys(control)? {
             // A look each time: an edge or a face of large stars takes its time.
             control.check()?;
             match self.state_of_segment(t, edge) {
@@ -403,7 +398,7 @@ impl Boundary {
                 State::Clear => {}
             }
         }
-        for &face in &*InPieces::new(self.subfacets.sorted_keys(control)?, control) {
+        for &face in &*self.subfacets.sorted_keys(control)? {
             control.check()?;
             match self.state_of_facet(t, face) {
                 State::Missing => missing_facets.push(face),
@@ -444,43 +439,28 @@ impl Boundary {
         })
     }
 
-    /// Takes the next subsegment that is missing off its queue.
-    pub(crate) fn pop_missing_segment(&mut self, t: &Triangulation) -> Option<[u32; 2]> {
-        while let Some([a, b]) = self.missing_segments.pop_front() {
-            if self.subsegments.contains_key(&[a, b]) && t.topology.find_edge(a, b).is_none() {
-                return Some([a, b]);
-            }
-        }
-        None
+    /// Takes the next subsegment that is missing off its queue, as [`pop_segment`](Self::pop_segment) does. Most that was missing is there again when
+    /// something near it has been split.
+    pub(crate) fn pop_missing_segment(
+        &mut self,
+        t: &Triangulation,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<[u32; 2]>, Error> {
+        let missing = |b: &Self, edge: &[u32; 2]| {
+            b.subsegments.contains_key(edge) && t.topology.find_edge(edge[0], edge[1]).is_none()
+        };
+        self.pop(go_on, |b| &mut b.missing_segments, missing)
     }
 
-    /// Takes the next subfacet that is missing off its queue.
-    pub(crate) fn pop_missing_facet(&mut self, t: &Triangulation) -> Option<[u32; 3]> {
-        while let Some(face) = self.missing_facets.pop_front() {
-            if self.subfacets.contains_key(&face) && t.topology.find_face(face).is_none() {
-                return Some(face);
-            }
-        }
-        None
-    }
-
-    /// Takes entries that are not missing any more off the front of their queues, as far as the control says go on.
-    pub(crate) fn skip_present(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        while let Some(&[a, b]) = self.missing_segments.front() {
-            if self.subsegments.contains_key(&[a, b]) && t.topology.find_edge(a, b).is_none() {
-                break;
-            }
-            control.check()?;
-            self.missing_segments.pop_front();
-        }
-        while let Some(face) = self.missing_facets.front() {
-            if self.subfacets.contains_key(face) && t.topology.find_face(*face).is_none() {
-                break;
-            }
-            control.check()?;
-            self.missing_facets.pop_front();
-        }
-        Ok(())
+    /// [`pop_missing_segment`](Self::pop_missing_segment) for the next subfacet that is missing.
+    pub(crate) fn pop_missing_facet(
+        &mut self,
+        t: &Triangulation,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<[u32; 3]>, Error> {
+        let missing =
+            |b: &Self, face: &[u32; 3]| b.subfacets.contains_key(face) && t.topology.find_face(*face).is_none();
+        self.pop(go_on, |b| &mut b.missing_facets, missing)
     }
 
     /// Whether an element may be missing.
@@ -574,15 +554,13 @@ impl Boundary {
 
     /// [`first_missing`](Self::first_missing), unless the control says stop.
     pub(crate) fn first_missing_within(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
-        let segments = InPieces::new(self.subsegments.sorted_keys(control)?, control);
-        for &[a, b] in &*segments {
+        for &[a, b] in &*self.subsegments.sorted_keys(control)? {
             control.check()?;
             if t.topology.find_edge(a, b).is_none() {
                 return Ok(Some(Defect::MissingSubsegment { edge: [a, b] }));
             }
         }
-        let facets = InPieces::new(self.subfacets.sorted_keys(control)?, control);
-        for &face in &*facets {
+        for &face in &*self.subfacets.sorted_keys(control)? {
             control.check()?;
             if t.topology.find_face(face).is_none() {
                 return Ok(Some(Defect::MissingSubfacet { face }));

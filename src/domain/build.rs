@@ -14,7 +14,7 @@ use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
-use crate::sorting::sort;
+use crate::sorting::{sort, sort_unique};
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, DomainElement, Error};
@@ -57,13 +57,13 @@ impl Boundary {
             let outline = boundary.outline((plc, parts, ids), index, &spokes, control)?;
             boundary.add_facet(t, index, &plc.facets[index], outline, control)?;
         }
-        boundary.find_angles(t, control)?;
+        boundary.find_angles(t, &spokes, control)?;
         Ok(boundary.keep())
     }
 
     /// What small angles ask for.
-    fn find_angles(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        self.find_acute(t, control)?;
+    fn find_angles(&mut self, t: &Triangulation, spokes: &[[u32; 2]], control: &Control) -> Result<(), Error> {
+        self.find_acute(t, spokes, control)?;
         self.find_shortest(t, control)?;
         self.find_sharp(t, control)?;
         control.check()
@@ -143,7 +143,8 @@ impl Boundary {
                 }
             }
         }
-        boundary.find_angles(t, control)?;
+        let spokes = boundary.spokes(control)?;
+        boundary.find_angles(t, &spokes, control)?;
         Ok(boundary.keep())
     }
 
@@ -204,10 +205,8 @@ impl Boundary {
         }
         let mut vertices: Vec<u32> = parts.corners[index].iter().chain(&parts.inside[index]).map(id).collect();
         vertices.extend(sides.iter().flatten());
-        sort(&mut vertices, &watch)?;
-        vertices.dedup();
-        sort(&mut sides, &watch)?;
-        sides.dedup();
+        sort_unique(&mut vertices, &watch)?;
+        sort_unique(&mut sides, &watch)?;
         let mut others: Vec<[u32; 2]> = Vec::new();
         // A triangle has no room for a segment between its corners.
         if vertices.len() > 3 {
@@ -274,9 +273,8 @@ impl Boundary {
 
     /// Marks the vertices at which two segments meet at less than 60°: around these, splits go on concentric shells
     /// (J. Ruppert, 1995), or two segments would split each other for ever.
-    fn find_acute(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+    fn find_acute(&mut self, t: &Triangulation, spokes: &[[u32; 2]], control: &Control) -> Result<(), Error> {
         let turns = control.turns();
-        let spokes = self.spokes(control)?;
         for at_vertex in spokes.chunk_by(|e, f| e[0] == f[0]) {
             turns.check()?;
             let directions: Vec<DVec3> =

@@ -16,7 +16,7 @@ use crate::geometry::predicates::orient2d;
 use crate::geometry::{Filter, Sign};
 use crate::leavings::{InPieces, Leavings};
 use crate::parted::PartedMap;
-use crate::sorting::sort;
+use crate::sorting::{sort, sort_unique};
 use crate::{memory, Control, Error};
 
 /// A facet's triangles, counterclockwise seen from the positive end of its dominant axis.
@@ -106,8 +106,7 @@ impl FacetTriangulation {
         let level = (0..3).find(|&axis| low[axis] == high[axis]);
         let plane_normal = level.map_or(normal.normalize_or_zero(), |axis| DVec3::AXES[axis]);
         let mut unique: Vec<u32> = triangles.iter().flatten().copied().collect();
-        sort(&mut unique, &control.watch())?;
-        unique.dedup();
+        sort_unique(&mut unique, &control.watch())?;
         let mut facet = FacetTriangulation {
             marker,
             corners: unique,

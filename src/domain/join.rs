@@ -9,7 +9,7 @@ use super::planar::{
 use super::plc::{Plc, PlcFacet};
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
-use crate::sorting::{sort, sort_by};
+use crate::sorting::{sort, sort_by, sort_unique};
 use crate::{Control, DVec3, Error};
 
 impl Plc {
@@ -126,15 +126,14 @@ impl Plc {
                 all.push(side);
             }
             all.extend(self.segments.iter().map(|segment| edge_key(segment.ends)));
-            sort(&mut all, &control.watch())?;
-            all.dedup();
+            sort_unique(&mut all, &control.watch())?;
             let mut first_with = InPieces::new(PartedMap::default(), control);
             let mut overlaps = vec![false; facets.len()];
             for (i, facet) in facets.iter().enumerate() {
                 turns.check()?;
                 for triangle in self.final_triangles(facet, &all, extent, control)? {
                     turns.check()?;
-                    let first = *first_with.entry_or(face_key(triangle), i as u32) as usize;
+                    let first = *first_with.entry(face_key(triangle)).or_insert(i as u32) as usize;
                     if first != i {
                         (overlaps[i], overlaps[first]) = (true, true);
                     }
@@ -258,10 +257,8 @@ impl Plc {
                 points.extend(side);
             }
         }
-        sort(&mut kept, &watch)?;
-        kept.dedup();
-        sort(&mut points, &watch)?;
-        points.dedup();
+        sort_unique(&mut kept, &watch)?;
+        sort_unique(&mut points, &watch)?;
         let mut polygons = rings(&kept, control)?;
         let mut on_sides: Vec<u32> = kept.iter().flatten().copied().collect();
         sort(&mut on_sides, &watch)?;

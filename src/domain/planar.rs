@@ -11,7 +11,7 @@ use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::{collinear, orient2d};
 use crate::leavings::{InPieces, Leavings};
 use crate::parted::PartedMap;
-use crate::sorting::sort;
+use crate::sorting::sort_unique;
 use crate::triangulation::try_spatial_order;
 use crate::{memory, Control, Error};
 
@@ -198,14 +198,12 @@ pub fn triangles_within(
 pub fn outline_of(facet: &PlcFacet, control: &Control) -> Result<(Vec<u32>, Vec<[u32; 2]>), Error> {
     let watch = control.watch();
     let mut vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect();
-    sort(&mut vertices, &watch)?;
-    vertices.dedup();
+    sort_unique(&mut vertices, &watch)?;
     let mut sides = Vec::new();
     for polygon in facet.polygons.iter().filter(|polygon| polygon.len() > 1) {
         sides.extend((0..polygon.len()).map(|i| edge_key([polygon[i], polygon[(i + 1) % polygon.len()]])));
     }
-    sort(&mut sides, &watch)?;
-    sides.dedup();
+    sort_unique(&mut sides, &watch)?;
     Ok((vertices, sides))
 }
 

@@ -128,7 +128,7 @@ impl Boundary {
             turns.check()?;
             let length = t.at(a).distance(t.at(b));
             for v in [a, b].into_iter().filter(|&v| self.kind(v) & ACUTE != 0) {
-                let known: &mut f64 = shortest.entry_or(v, length);
+                let known: &mut f64 = shortest.entry(v).or_insert(length);
                 *known = known.min(length);
             }
         }

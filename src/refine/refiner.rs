@@ -98,15 +98,6 @@ pub struct Refiner<'a> {
     pub facet_splits: usize,
 }
 
-/// What a turn of the loop does.
-enum Next {
-    /// A boundary element has been split.
-    Split,
-    /// This tetrahedron is to be mended.
-    Bad(u32),
-    Nothing,
-}
-
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
 
@@ -167,20 +158,24 @@ impl<'a> Refiner<'a> {
             if let Some(status) = self.limit(&mut turns, "refine", control)? {
                 return Ok(status);
             }
-            // Very many of those that wait may be stale by now.
-            let next = self.boundary.skip_stale(control).and_then(|()| match self.boundary_step()? {
-                true => Ok(Next::Split),
-                false => Ok(self.next_bad(control)?.map_or(Next::Nothing, Next::Bad)),
-            });
-            match next {
-                Ok(Next::Split) => {}
-                Ok(Next::Bad(t)) => self.mend(t)?,
-                Ok(Next::Nothing) => break,
+            match self.turn(control) {
+                Ok(true) => {}
+                Ok(false) => break,
                 Err(Error::Cancelled) => return Ok(RefineStatus::Cancelled),
                 Err(error) => return Err(error),
             }
         }
         Ok(if self.reasons.is_empty() { RefineStatus::Done } else { RefineStatus::Unrefined })
+    }
+
+    /// Splits a boundary element or, when none waits, mends a tetrahedron. False when there is nothing to do.
+    fn turn(&mut self, control: &Control) -> Result<bool, Error> {
+        if self.boundary_step(control)? {
+            return Ok(true);
+        }
+        let Some(t) = self.next_bad(control)? else { return Ok(false) };
+        self.mend(t)?;
+        Ok(true)
     }
 
     /// Whether something stops the loop before its next turn. Makes room for that turn.
@@ -279,12 +274,13 @@ impl<'a> Refiner<'a> {
     }
 
     /// Splits one boundary element if any waits. Returns false when none does.
-    pub fn boundary_step(&mut self) -> Result<bool, Error> {
-        if let Some((edge, demand)) = self.boundary.pop_segment() {
+    fn boundary_step(&mut self, control: &Control) -> Result<bool, Error> {
+        let go_on = || control.poll();
+        if let Some((edge, demand)) = self.boundary.pop_segment(&go_on)? {
             self.transact(Element::Segment(edge), demand)?;
             return Ok(true);
         }
-        let Some((face, demand)) = self.boundary.pop_facet() else { return Ok(false) };
+        let Some((face, demand)) = self.boundary.pop_facet(&go_on)? else { return Ok(false) };
         self.split_facet_in_turn(face, demand)?;
         Ok(true)
     }

@@ -101,13 +101,11 @@ impl Refiner<'_> {
             if let Some(status) = self.limit(&mut turns, "boundary", control)? {
                 break status;
             }
-            // Most that was missing is there again when something near it has been split.
-            match self.boundary.skip_present(self.t, control) {
+            match self.recovery_step(&mut first, Demand::NONE, &|| control.poll()) {
+                Ok(Step::Nothing) => break RefineStatus::Done,
+                Ok(Step::Split | Step::Stuck) => {}
                 Err(Error::Cancelled) => break RefineStatus::Cancelled,
-                other => other?,
-            }
-            if let Step::Nothing = self.recovery_step(&mut first, Demand::NONE)? {
-                break RefineStatus::Done;
+                Err(error) => return Err(error),
             }
         };
         self.boundary.recovering = false;
@@ -115,8 +113,13 @@ impl Refiner<'_> {
     }
 
     /// Splits one element that is missing. `first` are subsegments that must be split before what is missing can be.
-    fn recovery_step(&mut self, first: &mut Vec<[u32; 2]>, demand: Demand) -> Result<Step, Error> {
-        let split = if let Some(edge) = self.boundary.pop_missing_segment(self.t) {
+    fn recovery_step(
+        &mut self,
+        first: &mut Vec<[u32; 2]>,
+        demand: Demand,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Step, Error> {
+        let split = if let Some(edge) = self.boundary.pop_missing_segment(self.t, go_on)? {
             self.split_segment(edge, demand)?
         } else if let Some(edge) = first.pop() {
             if self.boundary.is_subsegment(edge) {
@@ -124,7 +127,7 @@ impl Refiner<'_> {
             } else {
                 return Ok(Step::Split);
             }
-        } else if let Some(face) = self.boundary.pop_missing_facet(self.t) {
+        } else if let Some(face) = self.boundary.pop_missing_facet(self.t, go_on)? {
             let split = self.split_facet(face, demand)?;
             if let Split::After(segments) = split {
                 self.boundary.missing_facets.push_front(face);
@@ -150,7 +153,7 @@ impl Refiner<'_> {
         let follows = !complete;
         let mut first = Vec::new();
         for _ in 0..if follows { FOLLOWING } else { 0 } {
-            match self.recovery_step(&mut first, demand.following())? {
+            match self.recovery_step(&mut first, demand.following(), &|| true)? {
                 Step::Nothing => {
                     complete = true;
                     break;

@@ -25,7 +25,7 @@ pub struct ByPoint(PartedMap<[u64; 3], u32>);
 impl ByPoint {
     /// The vertex at a point; it is this one if there was none.
     pub(crate) fn first(&mut self, p: DVec3, v: u32) -> u32 {
-        *self.0.entry_or(key(p), v)
+        *self.0.entry(key(p)).or_insert(v)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::domain::plc::Plc;
 use crate::geometry::check_range;
 use crate::leavings::{give_elements_back, InPieces, Leavings};
 use crate::parted::PartedMap;
-use crate::sorting::sort;
+use crate::sorting::sort_unique;
 use crate::triangulation::ByPoint;
 use crate::{memory, Control, DVec3, DomainElement, Error};
 
@@ -64,7 +64,11 @@ pub(crate) struct Arrangement {
 
 impl Arrangement {
     /// Takes a complex apart; elements that are defective by themselves are noted and left out.
-    pub fn new(plc: &Plc, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<Arrangement, Error> {
+    pub fn new<'a>(
+        plc: &Plc,
+        defects: &mut Vec<PlcDefect>,
+        control: &'a Control,
+    ) -> Result<InPieces<'a, Arrangement>, Error> {
         let mut new = InPieces::new(Arrangement::default(), control);
         new.points = memory::copied(&plc.points, "points", control)?;
         new.merge_points(defects, control)?;
@@ -89,7 +93,7 @@ impl Arrangement {
             new.add_facet((plc, extent), i, defects, control)?;
         }
         check_seeds(plc, defects);
-        Ok(new.keep())
+        Ok(new)
     }
 
     fn merge_points(&mut self, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<(), Error> {
@@ -127,7 +131,7 @@ impl Arrangement {
     fn side(&mut self, ends: [u32; 2]) -> &mut Side {
         let key = edge_key(ends);
         let next = self.sides.len() as u32;
-        let index = *self.side_of.entry_or(key, next);
+        let index = *self.side_of.entry(key).or_insert(next);
         if index == next {
             self.sides.push(Side { ends: key, listed: None, facets: Vec::new(), between: Vec::new() });
         }
@@ -186,10 +190,8 @@ impl Arrangement {
                 }
             }
         }
-        sort(&mut vertices, &control.watch())?;
-        vertices.dedup();
-        sort(&mut sides, &control.watch())?;
-        sides.dedup();
+        sort_unique(&mut vertices, &control.watch())?;
+        sort_unique(&mut sides, &control.watch())?;
         if defects.len() > before || vertices.is_empty() {
             return Ok(());
         }

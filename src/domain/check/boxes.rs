@@ -62,12 +62,12 @@ impl Boxes {
     }
 
     /// Pairs of one of these and one of the others that meet, as far as `keep` says so, sorted.
-    pub fn pairs(
+    pub fn pairs<'a>(
         &self,
         others: &Boxes,
         keep: impl Fn(u32, u32) -> bool,
-        control: &Control,
-    ) -> Result<Vec<(u32, u32)>, Error> {
+        control: &'a Control,
+    ) -> Result<InPieces<'a, Vec<(u32, u32)>>, Error> {
         let turns = control.turns();
         let mut pairs = InPieces::new(Vec::new(), control);
         for tree in &self.0 {
@@ -88,7 +88,7 @@ impl Boxes {
             }
         }
         sort(&mut pairs, &control.watch())?;
-        Ok(pairs.keep())
+        Ok(pairs)
     }
 }
 
@@ -134,7 +134,7 @@ mod tests {
         }
         let expected: Vec<(u32, u32)> =
             (0..200).flat_map(|i| numbers(edges[i as usize]).map(move |j| (i, j))).filter(|(i, j)| i != j).collect();
-        assert_eq!(few.pairs(&boxes, |i, j| i != j, &control).unwrap(), expected);
+        assert_eq!(few.pairs(&boxes, |i, j| i != j, &control).unwrap().keep(), expected);
     }
 
     #[test]

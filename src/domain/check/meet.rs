@@ -17,7 +17,7 @@ use crate::geometry::predicates::{collinear, orient2d, orient3d};
 use crate::geometry::Sign;
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
-use crate::sorting::{sort, sort_by};
+use crate::sorting::{sort_by, sort_unique};
 use crate::{Control, DVec3, DomainElement, Error};
 
 /// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
@@ -159,11 +159,10 @@ fn points_in_facets(
             let [x, y, z] = triangle.map(|v| a.points[v as usize]);
             let exactly = orient3d(x, y, z, p) == Sign::Zero && in_triangle([x, y, z], p);
             let mut nearly = || {
-                if reach > 0.0 && !planes.contains_key(&facet) {
-                    planes.insert(facet, Plane::new(&a.points, corners));
+                reach > 0.0 && {
+                    let plane = planes.entry(facet).or_insert_with(|| Plane::new(&a.points, corners));
+                    plane.as_ref().is_some_and(|plane| plane.has_near([x, y, z], p))
                 }
-                let plane = planes.get(&facet).and_then(Option::as_ref);
-                reach > 0.0 && plane.is_some_and(|plane| plane.has_near([x, y, z], p))
             };
             if exactly || nearly() {
                 found.push((facet, v));
@@ -179,8 +178,7 @@ fn points_in_facets(
             on_sides.insert(pair, ());
         }
     }
-    sort(&mut found, &control.watch())?;
-    found.dedup();
+    sort_unique(&mut found, &control.watch())?;
     for (facet, v) in found {
         turns.check()?;
         if on_sides.contains_key(&(facet, v)) {
@@ -205,7 +203,7 @@ fn sides_across_sides(
         // Sides of one facet are the facet's own affair.
         i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
     };
-    for &(i, j) in &*InPieces::new(boxes.pairs(boxes, apart, control)?, control) {
+    for &(i, j) in &*boxes.pairs(boxes, apart, control)? {
         turns.check()?;
         let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
         let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
@@ -240,7 +238,7 @@ fn sides_through_facets(
         !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
     };
     let mut found = PartedMap::default();
-    for &(i, j) in &*InPieces::new(sides.pairs(triangles, apart, control)?, control) {
+    for &(i, j) in &*sides.pairs(triangles, apart, control)? {
         turns.check()?;
         let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
         let [p, q] = side.ends.map(|v| a.points[v as usize]);
@@ -281,7 +279,7 @@ fn facets_in_one_plane(
     let turns = control.turns();
     let mut found = PartedMap::default();
     let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
-    for &(i, j) in &*InPieces::new(boxes.pairs(boxes, apart, control)?, control) {
+    for &(i, j) in &*boxes.pairs(boxes, apart, control)? {
         turns.check()?;
         let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
         let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));

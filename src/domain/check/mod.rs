@@ -71,30 +71,27 @@ impl Plc {
 
     /// [`check`](Self::check), unless a control cancels it: [`Error::Cancelled`].
     pub fn check_within(&self, control: &Control) -> Result<PlcCheck, Error> {
-        let (check, arrangement) = self.examine(true, control)?;
-        control.give_back(arrangement);
-        Ok(check)
+        self.examine(true, control).map(|(check, _)| check)
     }
 
     /// The complex taken apart, or the first error.
-    pub(crate) fn arrange(&self, control: &Control) -> Result<Arrangement, Error> {
+    pub(crate) fn arrange<'a>(&self, control: &'a Control) -> Result<InPieces<'a, Arrangement>, Error> {
         let (check, arrangement) = self.examine(false, control)?;
-        let arrangement = InPieces::new(arrangement, control);
         let first = check.errors().next().map(PlcDefect::error);
-        first.map_or_else(|| Ok(arrangement.keep()), Err)
+        first.map_or(Ok(arrangement), Err)
     }
 
     /// With `all`, also what is no error and only of interest.
-    fn examine(&self, all: bool, control: &Control) -> Result<(PlcCheck, Arrangement), Error> {
+    fn examine<'a>(&self, all: bool, control: &'a Control) -> Result<(PlcCheck, InPieces<'a, Arrangement>), Error> {
         let mut check = PlcCheck::default();
-        let mut arrangement = InPieces::new(Arrangement::new(self, &mut check.defects, control)?, control);
+        let mut arrangement = Arrangement::new(self, &mut check.defects, control)?;
         meet::find(self, &mut arrangement, &mut check.defects, control)?;
         control.check()?;
         if all {
             edges::find(&arrangement, &mut check, control)?;
         }
         check.defects = in_order(std::mem::take(&mut check.defects), control)?;
-        Ok((check, arrangement.keep()))
+        Ok((check, arrangement))
     }
 }
 
