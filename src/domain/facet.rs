@@ -58,6 +58,13 @@ pub struct FacetChange {
     pub created: Vec<[u32; 3]>,
 }
 
+impl FacetChange {
+    /// What takes it back.
+    pub fn reversed(self) -> FacetChange {
+        FacetChange { removed: self.created, created: self.removed }
+    }
+}
+
 /// The same triangle with the lowest vertex first, orientation kept.
 fn rotate_lowest([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {

@@ -123,6 +123,19 @@ impl Boundary {
             .map(|change| (facet, change))
     }
 
+    /// Whether these changes would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex may
+    /// come to stand for both; a face of two facets could not be told from a face of one.
+    pub(crate) fn folds(&self, changes: &[(u32, FacetChange)]) -> bool {
+        changes.iter().enumerate().any(|(i, (facet, change))| {
+            let beside = |key: [u32; 3]| {
+                let of_others = self.subfacets.get(&key).is_some_and(|other| other != facet);
+                let made = |other: &(u32, FacetChange)| other.1.created.iter().any(|&face| face_key(face) == key);
+                of_others || changes[..i].iter().any(made)
+            };
+            change.created.iter().any(|&face| beside(face_key(face)))
+        })
+    }
+
     /// Takes over what changed in a facet, once the vertex is in the triangulation.
     pub(crate) fn facet_changed(
         &mut self,
@@ -153,7 +166,7 @@ impl Boundary {
     /// Takes a split at a vertex back. The triangulation in space does not matter.
     pub(crate) fn take_back(&mut self, vertex: u32, before: &Standing, changes: Vec<(u32, FacetChange)>) {
         for (facet, change) in changes.into_iter().rev() {
-            self.exchange(facet, &FacetChange { removed: change.created, created: change.removed });
+            self.exchange(facet, &change.reversed());
         }
         for &(edge, known) in &before.segments {
             match known {

@@ -174,6 +174,10 @@ impl Boundary {
             journal.come.push(edge);
         }
         for (facet, change) in &plan.facets {
+            if self.is_beside(*facet, change) {
+                self.undo(journal);
+                return None;
+            }
             self.exchange(*facet, change);
             journal.planar.push((*facet, change.clone()));
         }
@@ -217,8 +221,9 @@ impl Boundary {
             let change = t.with_point(new, p, |t| {
                 planar.insert(new, &start, Some(edge), t.points(), fixed, |_| InSpace::Missing)
             });
-            let Some(change) = change else { return false };
-            self.take_over(facet, change, journal);
+            if !change.is_some_and(|change| self.take_over(facet, change, journal)) {
+                return false;
+            }
         }
         self.subsegments.remove(&edge);
         journal.gone.push((edge, segment));
@@ -252,17 +257,28 @@ impl Boundary {
         };
         let change =
             t.with_point(new, p, |t| planar.insert(new, &[start], None, t.points(), fixed, |_| InSpace::Missing));
-        let Some(change) = change else { return false };
-        self.take_over(facet, change, journal);
+        if !change.is_some_and(|change| self.take_over(facet, change, journal)) {
+            return false;
+        }
         self.mark(new, ON_FACET);
         self.carry(new, Carrier::Facet(facet));
         true
     }
 
-    /// The planar triangulation has changed already: the rest.
-    fn take_over(&mut self, facet: u32, change: FacetChange, journal: &mut Journal) {
+    /// The planar triangulation has changed already: the rest. False, with the planar triangulation as it was, where a subfacet would lie on another facet's.
+    fn take_over(&mut self, facet: u32, change: FacetChange, journal: &mut Journal) -> bool {
+        if self.is_beside(facet, &change) {
+            self.facets[facet as usize].exchange(&change.reversed());
+            return false;
+        }
         self.exchange_faces(facet, &change);
         journal.planar.push((facet, change));
+        true
+    }
+
+    /// Whether a subfacet that comes is another facet's now: see [`folds`](Self::folds).
+    fn is_beside(&self, facet: u32, change: &FacetChange) -> bool {
+        change.created.iter().any(|&face| self.subfacets.get(&face_key(face)).is_some_and(|&other| other != facet))
     }
 
     pub(super) fn exchange(&mut self, facet: u32, change: &FacetChange) {
@@ -324,7 +340,7 @@ impl Boundary {
     /// Takes a change of the boundary back.
     pub(crate) fn undo(&mut self, journal: Journal) {
         for (facet, change) in journal.planar.into_iter().rev() {
-            self.exchange(facet, &FacetChange { removed: change.created, created: change.removed });
+            self.exchange(facet, &change.reversed());
         }
         for edge in journal.come {
             self.subsegments.remove(&edge);

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use crate::domain::pending::Demand;
-use crate::geometry::flush_tiny;
+use crate::geometry::{check_range, flush_tiny};
 
 /// How far from the circumcentre to the foot the points are that are tried.
 const SHARES: [f64; 2] = [0.5, 1.0];
@@ -48,7 +48,7 @@ impl Refiner<'_> {
 
     /// How far the nearest vertex of a point in the facet of `face` is; `None` where it can't be inserted, or subsegments would have to be split before.
     fn room_on_facet(&mut self, p: DVec3, (face, start): ([u32; 3], u32), demand: Demand) -> Option<f64> {
-        if !p.is_finite() || self.boundary.hides(self.t, face, p).is_some() {
+        if check_range(0, p).is_err() || self.boundary.hides(self.t, face, p).is_some() {
             return None;
         }
         if self.t.prepare(p, start, &mut self.cavity).is_err() {

@@ -8,7 +8,8 @@ use crate::domain::boundary::{edge_key, face_key, Boundary};
 use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
-use crate::geometry::flush_tiny;
+use crate::geometry::{check_range, flush_tiny};
+use crate::triangulation::insert::Unplaced;
 use crate::Error;
 
 /// The reach of a split that no demand allows.
@@ -39,10 +40,13 @@ impl Refiner<'_> {
         let blocked = p.distance(a).min(p.distance(b)) < self.min_edge;
         match (blocked, self.t.prepare(p, start, &mut self.cavity)) {
             // A vertex that stands just there takes the new one's place, unless it is an end: then the segment is too short to split.
-            (false, Err(existing)) if !edge.contains(&existing) => {
+            (false, Err(Unplaced::Occupied(existing))) if !edge.contains(&existing) => {
                 self.cavity.clear();
                 let p = self.t.at(existing);
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
+                if self.boundary.folds(&changes) {
+                    return Ok(self.block_segment(edge, NEVER));
+                }
                 self.boundary.apply(&changes, p);
                 let star = self.t.topology.star(existing);
                 let labels = self.labels_of(&star);
@@ -60,7 +64,7 @@ impl Refiner<'_> {
                 if let Some(reach) = self.forbidden(p, &edge, demand) {
                     return Ok(self.block_segment(edge, reach));
                 }
-                if self.is_doomed(&changes, &edge, demand) {
+                if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
                 self.boundary.apply(&changes, p);
@@ -85,6 +89,8 @@ impl Refiner<'_> {
     pub(super) fn split_facet(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
         self.boundary.reserve()?;
         let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
+            // Nothing may be asked about such a point: the predicates don't hold it.
+            FacetSplit::At(p, _) if check_range(0, flush_tiny(p)).is_err() => return Ok(self.block_facet(face, NEVER)),
             FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand).unwrap_or(flush_tiny(p)), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
         };
@@ -116,7 +122,7 @@ impl Refiner<'_> {
         let corners = face.map(|v| self.t.at(v));
         let found = self.t.face_tetrahedron(face);
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
-        let too_near = !p.is_finite() || corners.iter().any(|c| c.distance(p) < self.min_edge);
+        let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
         if too_near || self.boundary.keeps(found.is_some()) || self.t.prepare(p, start, &mut self.cavity).is_err() {
             return Ok(self.block_facet(face, NEVER));
         }
@@ -138,7 +144,7 @@ impl Refiner<'_> {
         if let Some(reach) = self.forbidden(p, &face, demand) {
             return Ok(self.block_facet(face, reach));
         }
-        if self.is_doomed(&changes, &face, demand) {
+        if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
             return Ok(self.block_facet(face, NEVER));
         }
         self.boundary.apply(&changes, p);

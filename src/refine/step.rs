@@ -171,11 +171,8 @@ impl Mesh {
     fn splits_before(&self, boundary: &Boundary, edge: [u32; 2], samples: &[DVec3]) -> Vec<SteinerPoint> {
         let start = self.t.topology.vertex_tet[edge[0] as usize];
         let (mut cavity, mut found, mut all) = (Cavity::default(), Encroached::default(), Encroached::default());
-        for (i, &p) in samples.iter().enumerate() {
+        for &p in samples {
             let p = flush_tiny(p);
-            if check_range(i, p).is_err() {
-                continue;
-            }
             if self.t.prepare(p, start, &mut cavity).is_ok() {
                 boundary.encroached_by(&self.t, p, &cavity, &mut found);
                 all.segments.append(&mut found.segments);

@@ -1,5 +1,7 @@
 use super::*;
-use crate::{Control, DVec3, Mesh, Plc, PlcFacet};
+use crate::triangulation::cavity::Cavity;
+use crate::triangulation::insert::Unplaced;
+use crate::{Control, DVec3, Error, Mesh, Plc, PlcFacet, Triangulation};
 
 /// A value-stable source of numbers in [0, 1).
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -558,4 +560,30 @@ fn a_split_beside_a_subfacet_that_stays_a_face_leaks_no_label() {
         mesh.refine(&options, &Control::new()).unwrap();
         mesh.validate(3).unwrap();
     }
+}
+
+/// Found by fuzzing: the circumcentre of a subfacet whose corners nearly are in line came to lie where no predicate holds.
+#[test]
+fn a_circumcentre_beyond_the_predicates_range_is_no_vertex() {
+    let points = [
+        [0.0, 5.04870979341476e-29, 0.296875],
+        [-1.8978959697606932e-16, 2.093832106950585e34, -3.622547405812207e-43],
+        [0.0, 3.138167743808124e57, 3.138167743808124e57],
+        [1.7936688765890554e-43, 0.0, -2.076918751155803e34],
+    ]
+    .map(DVec3::from);
+    let facet = |polygon: [u32; 3]| PlcFacet { polygons: vec![polygon.to_vec()], ..PlcFacet::default() };
+    let facets = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].map(facet).to_vec();
+    let plc = Plc { points: points.to_vec(), facets, ..Plc::default() };
+    match Mesh::from_plc(&plc, &Control::new()) {
+        Ok(mesh) => mesh.validate(3).unwrap(),
+        Err(error) => assert!(matches!(error, Error::InvalidDomain { .. }), "{error}"),
+    }
+    // The point itself.
+    let mut t = Triangulation::new();
+    t.insert_many(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], &Control::new()).unwrap().unwrap();
+    let mut cavity = Cavity::default();
+    let far = DVec3::new(-2.332002758916108e115, 6.652755312662908e49, 6.652755312662906e49);
+    assert_eq!(t.prepare(far, t.recent(), &mut cavity), Err(Unplaced::OutOfRange));
+    assert_eq!(t.prepare(DVec3::X, t.recent(), &mut cavity), Err(Unplaced::Occupied(1)));
 }

@@ -1,5 +1,7 @@
 use std::collections::BTreeSet;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::forecast::{Demand, Forecast};
 use crate::domain::Unsplit;
 use crate::refine::{RefineOptions, RefineStatus};
@@ -429,6 +431,45 @@ fn a_flat_tetrahedron_that_leaves_the_domain_is_outside() {
             let options = RefineOptions { rule, max_vertices, sparsify: Some(level), ..RefineOptions::default() };
             mesh.refine(&options, &Control::new()).unwrap();
             mesh.validate(3).unwrap_or_else(|defect| panic!("{rule:?}, {level:?}: {defect}"));
+        }
+    }
+}
+
+/// Found by fuzzing: the middles of two segments with ends far apart were the same point, the facets at them then had a triangle in common, and when a vertex of it
+/// was removed one of the two kept it.
+#[test]
+fn facets_do_not_fold_onto_each_other() {
+    let points = [
+        [-4.0, -4.0, -4.0],
+        [-4.0, 1.0, 1.0],
+        [1.0, -1.0000000000000002, 7.0],
+        [-2.9444959458045504e47, -2.9444959457990247e47, -9.717876741935393e44],
+        [1.0, 1.0, 1.0],
+        [-2.9, -4.9, -4.9],
+        [-8.0, -8.0, -8.0],
+        [1.0, 0.0, 0.0],
+        [1.0, -1.0, 1.0],
+        [-1.0, -7.0, -8.0],
+        [-1.0, -1.0, -1.0],
+        [-2.0, -2.0, -2.0],
+        [4.999999999999999, 4.0, 7.0],
+        [-2.9444959457991504e47, -1.150193728827744e45, -2.9444959457990247e47],
+    ]
+    .map(DVec3::from);
+    let mut given = Mesh::new();
+    given.insert(&points, None, &Control::new()).unwrap();
+    given.remove(1).unwrap();
+    for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
+        for calls in 0..12 {
+            let mut mesh = given.clone();
+            let told = AtomicUsize::new(0);
+            let cancelled = Control::with_progress(move |_| told.fetch_add(1, Ordering::Relaxed) < calls);
+            let sparsify = Some(Sparsify::Thorough);
+            let options = RefineOptions { radius_edge: 4.0, rule, max_vertices: 237, sparsify, ..RefineOptions::default() };
+            for control in [cancelled, Control::new()] {
+                mesh.refine(&options, &control).unwrap_or_else(|error| panic!("{rule:?}: {error}"));
+                mesh.validate(3).unwrap_or_else(|defect| panic!("{rule:?}: {defect}"));
+            }
         }
     }
 }

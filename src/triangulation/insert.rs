@@ -29,6 +29,15 @@ pub struct Inserted {
     pub is_new: bool,
 }
 
+/// Why a constructed point can't be inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unplaced {
+    /// This vertex is at the same place.
+    Occupied(u32),
+    /// A coordinate is one that the [predicates can't hold](crate::geometry::check_range), as the circumcentre's of corners that nearly are in line.
+    OutOfRange,
+}
+
 /// Fewer points than these are inserted one by one, with a [journal](super::journal) to go back by; for more there is a copy.
 const FEW: usize = 1024;
 /// How many tetrahedra a point brings, and a little more.
@@ -334,16 +343,19 @@ impl Triangulation {
     }
 
     /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does
-    /// not. `Err` is the vertex at the same place. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves
+    /// not. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves
     /// the walk.
-    pub(crate) fn prepare(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), u32> {
+    pub(crate) fn prepare(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), Unplaced> {
+        if check_range(0, point).is_err() {
+            return Err(Unplaced::OutOfRange);
+        }
         // The triangulation's own filter, and with it the bounding box, grows only when the point is inserted.
         let mut filter = self.filter.clone();
         filter.extend(point);
         let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(&filter, start, point);
         let t = if in_conflict { start } else { self.walk_with(&filter, point, start) };
         if let Some(at) = self.vertex_at(t, point) {
-            return Err(at);
+            return Err(Unplaced::Occupied(at));
         }
         self.find_cavity(&filter, point, t, cavity);
         Ok(())

@@ -30,7 +30,7 @@
 mod bulk;
 pub mod cavity;
 mod incident;
-mod insert;
+pub(crate) mod insert;
 mod journal;
 mod labels;
 mod locate;
