@@ -73,9 +73,8 @@ impl Boundary {
         let Some(segment) = self.subsegments.remove(&key) else { return };
         let parts = key.map(|end| edge_key([end, new]));
         for part in parts {
-            if !self.subsegments.contains_key(&part) {
-                self.subsegments.insert(part, segment);
-            }
+            debug_assert!(!self.subsegments.contains_key(&part), "a subsegment of two segments");
+            self.subsegments.insert(part, segment);
         }
         let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
         self.mark(new, ON_SEGMENT | if sharp { SHARP } else { 0 });

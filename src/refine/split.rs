@@ -44,7 +44,9 @@ impl Refiner<'_> {
                 self.cavity.clear();
                 let p = self.t.at(existing);
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
-                if self.boundary.folds(&changes) {
+                // Rounding may have put it there for another segment, but no subsegment or subfacet can be one of two.
+                let shared = edge.iter().any(|&end| self.boundary.is_subsegment([end, existing]));
+                if shared || self.boundary.folds(&changes) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
                 self.boundary.apply(&changes, p);

@@ -465,7 +465,8 @@ fn facets_do_not_fold_onto_each_other() {
             let told = AtomicUsize::new(0);
             let cancelled = Control::with_progress(move |_| told.fetch_add(1, Ordering::Relaxed) < calls);
             let sparsify = Some(Sparsify::Thorough);
-            let options = RefineOptions { radius_edge: 4.0, rule, max_vertices: 237, sparsify, ..RefineOptions::default() };
+            let options =
+                RefineOptions { radius_edge: 4.0, rule, max_vertices: 237, sparsify, ..RefineOptions::default() };
             for control in [cancelled, Control::new()] {
                 mesh.refine(&options, &control).unwrap_or_else(|error| panic!("{rule:?}: {error}"));
                 mesh.validate(3).unwrap_or_else(|defect| panic!("{rule:?}: {defect}"));
