@@ -122,16 +122,18 @@ impl Boundary {
             .map(|change| (facet, change))
     }
 
-    /// Whether these changes would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex may
-    /// come to stand for both; a face of two facets could not be told from a face of one.
+    /// Whether a change of this facet would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex
+    /// may come to stand for both; a face of two facets could not be told from a face of one.
+    pub(super) fn covers_another(&self, facet: u32, change: &FacetChange) -> bool {
+        change.created.iter().any(|&face| self.subfacets.get(&face_key(face)).is_some_and(|&other| other != facet))
+    }
+
+    /// [`covers_another`](Self::covers_another) for changes of several facets at once: nor may two of them make the same subfacet.
     pub(crate) fn folds(&self, changes: &[(u32, FacetChange)]) -> bool {
+        let makes = |change: &FacetChange, key: [u32; 3]| change.created.iter().any(|&face| face_key(face) == key);
         changes.iter().enumerate().any(|(i, (facet, change))| {
-            let beside = |key: [u32; 3]| {
-                let of_others = self.subfacets.get(&key).is_some_and(|other| other != facet);
-                let made = |other: &(u32, FacetChange)| other.1.created.iter().any(|&face| face_key(face) == key);
-                of_others || changes[..i].iter().any(made)
-            };
-            change.created.iter().any(|&face| beside(face_key(face)))
+            let again = |&face: &[u32; 3]| changes[..i].iter().any(|(_, before)| makes(before, face_key(face)));
+            self.covers_another(*facet, change) || change.created.iter().any(again)
         })
     }
 

@@ -174,7 +174,7 @@ impl Boundary {
             journal.come.push(edge);
         }
         for (facet, change) in &plan.facets {
-            if self.is_beside(*facet, change) {
+            if self.covers_another(*facet, change) {
                 self.undo(journal);
                 return None;
             }
@@ -267,18 +267,13 @@ impl Boundary {
 
     /// The planar triangulation has changed already: the rest. False, with the planar triangulation as it was, where a subfacet would lie on another facet's.
     fn take_over(&mut self, facet: u32, change: FacetChange, journal: &mut Journal) -> bool {
-        if self.is_beside(facet, &change) {
+        if self.covers_another(facet, &change) {
             self.facets[facet as usize].exchange(&change.reversed());
             return false;
         }
         self.exchange_faces(facet, &change);
         journal.planar.push((facet, change));
         true
-    }
-
-    /// Whether a subfacet that comes is another facet's now: see [`folds`](Self::folds).
-    fn is_beside(&self, facet: u32, change: &FacetChange) -> bool {
-        change.created.iter().any(|&face| self.subfacets.get(&face_key(face)).is_some_and(|&other| other != facet))
     }
 
     pub(super) fn exchange(&mut self, facet: u32, change: &FacetChange) {

@@ -71,13 +71,12 @@ mod tests {
     /// Found by fuzzing: products of six such lengths underflow, which the filter did not know.
     #[test]
     fn underflow_decides_nothing() {
-        let far = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         let t = [
-            far(2.5353799723618916e-40, 2.535379972361901e-40, 2.5353799723617966e-40),
-            far(2.5353799723617966e-40, 2.5353799723617966e-40, 2.5353799723618e-40),
-            far(2.5353799723617966e-40, 2.5353799723617966e-40, 2.535379972361803e-40),
+            DVec3::new(2.5353799723618916e-40, 2.535379972361901e-40, 2.5353799723617966e-40),
+            DVec3::new(2.5353799723617966e-40, 2.5353799723617966e-40, 2.5353799723618e-40),
+            DVec3::new(2.5353799723617966e-40, 2.5353799723617966e-40, 2.535379972361803e-40),
         ];
-        let p = far(2.535379972361891e-40, 2.535379972361901e-40, 2.5353799723617933e-40);
+        let p = DVec3::new(2.535379972361891e-40, 2.535379972361901e-40, 2.5353799723617933e-40);
         let exactly = exact_sign!(ball_excess(t[0], t[1], t[2], p)) == Sign::Negative;
         assert_eq!(encroaches_facet(t, p), exactly);
         // The same, so much larger that nothing underflows.

@@ -9,7 +9,7 @@ use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::{check_range, flush_tiny};
-use crate::triangulation::insert::Unplaced;
+use crate::triangulation::Unplaced;
 use crate::Error;
 
 /// The reach of a split that no demand allows.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::insert::Unplaced;
+use crate::triangulation::Unplaced;
 use crate::{Control, DVec3, Error, Mesh, Plc, PlcFacet, Triangulation};
 
 /// A value-stable source of numbers in [0, 1).

@@ -343,8 +343,7 @@ impl Triangulation {
     }
 
     /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does
-    /// not. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves
-    /// the walk.
+    /// not. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves the walk.
     pub(crate) fn prepare(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), Unplaced> {
         if check_range(0, point).is_err() {
             return Err(Unplaced::OutOfRange);

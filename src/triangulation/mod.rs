@@ -30,7 +30,7 @@
 mod bulk;
 pub mod cavity;
 mod incident;
-pub(crate) mod insert;
+mod insert;
 mod journal;
 mod labels;
 mod locate;
@@ -60,6 +60,7 @@ use lower::Lower;
 use topology::{Topology, GHOST, NONE};
 
 pub use insert::Inserted;
+pub(crate) use insert::Unplaced;
 pub use locate::Location;
 pub(crate) use order::try_spatial_order;
 pub use validate::Defect;
