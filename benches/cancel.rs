@@ -83,6 +83,38 @@ fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mu
     );
 }
 
+/// What has large stars, large facets, or nearly is flat.
+fn adverse() {
+    // A vertex with all others around it.
+    for count in [100_000, 1_000_000] {
+        let on_sphere = |p: DVec3| (p * 2.0 - 1.0).normalize();
+        let around: Vec<DVec3> = scattered(count).into_iter().map(on_sphere).collect();
+        let mut hollow = Mesh::new();
+        hollow.insert(&around, None, &Control::new()).unwrap();
+        let fresh = || hollow.try_clone(&Control::new()).unwrap();
+        measure(&format!("insert the centre of {count}"), 24, fresh, |mesh, control| {
+            mesh.insert(&[DVec3::ZERO], None, control).unwrap();
+        });
+        let mut sphere = hollow.try_clone(&Control::new()).unwrap();
+        sphere.insert(&[DVec3::ZERO], None, &Control::new()).unwrap();
+        drop(hollow);
+        let fresh = || sphere.try_clone(&Control::new()).unwrap();
+        measure(&format!("remove the centre of {count}"), 24, fresh, |mesh, control| {
+            let _ = mesh.remove_within(count as u32, control);
+        });
+        let limits = RefineOptions { max_vertices: count + 100, ..RefineOptions::default() };
+        measure(&format!("refine around the centre of {count}"), 24, fresh, |mesh, control| {
+            mesh.refine(&limits, control).unwrap();
+        });
+    }
+    // A plane grid and one vertex that sees all of it.
+    let grid = (0..1_000_000).map(|i| DVec3::new((i % 1000) as f64, (i / 1000) as f64, 0.0));
+    let grid: Vec<DVec3> = grid.chain([DVec3::new(500.3, 500.7, 1e6)]).collect();
+    measure("insert a grid of 1000000 and an apex", 24, Mesh::new, |mesh, control| {
+        mesh.insert(&grid, None, control).unwrap();
+    });
+}
+
 fn main() {
     let counts: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     let counts = if counts.is_empty() { vec![1_000_000, 3_000_000] } else { counts };
@@ -181,15 +213,7 @@ fn main() {
             },
         );
     }
-    // A vertex with all others around it.
-    let on_sphere = |p: DVec3| (p * 2.0 - 1.0).normalize();
-    let mut sphere = Mesh::new();
-    let around: Vec<DVec3> = scattered(100_000).into_iter().map(on_sphere).chain([DVec3::ZERO]).collect();
-    sphere.insert(&around, None, &Control::new()).unwrap();
-    let fresh = || sphere.try_clone(&Control::new()).unwrap();
-    measure("remove a vertex with 100000 neighbours", 12, fresh, |mesh, control| {
-        let _ = mesh.remove_within(100_000, control);
-    });
+    adverse();
     let flat = |p: DVec3| p.with_z(0.0);
     measure("insert 1000000 in a plane", 8, Mesh::new, |mesh, control| {
         let points: Vec<DVec3> = scattered(1_000_000).into_iter().map(flat).collect();

@@ -51,7 +51,7 @@ impl Refiner<'_> {
         if check_range(0, p).is_err() || self.boundary.hides(self.t, face, p).is_some() {
             return None;
         }
-        if self.t.prepare(p, start, &mut self.cavity).is_err() {
+        if self.t.prepare(p, start, &mut self.cavity, &self.control).is_err() {
             self.cavity.clear();
             return None;
         }

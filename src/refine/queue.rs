@@ -370,7 +370,7 @@ mod tests {
             // Dense where it is coarse before: shortest edges of all lengths.
             let scale = 0.5f64.powi(turn % 7);
             let p = DVec3::new(next(), next(), next()) * scale * 0.9 + DVec3::splat(0.05);
-            t.prepare(p, t.recent(), &mut cavity).unwrap();
+            t.prepare(p, t.recent(), &mut cavity, &Control::new()).unwrap();
             t.insert_into(p, &mut cavity).unwrap();
             let mut bad = Vec::new();
             judge(&t, &cavity.created, &mut bad);

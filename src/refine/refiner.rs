@@ -32,7 +32,7 @@ use crate::sparsify::Sparsifier;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
 use crate::triangulation::topology::{EVEN_REST, GHOST};
-use crate::triangulation::Triangulation;
+use crate::triangulation::{Triangulation, Unplaced};
 use crate::{Control, Error};
 
 /// What became of a sample.
@@ -65,6 +65,8 @@ pub struct Refiner<'a> {
     pub(super) mended: [u32; 2],
     created: Vec<u32>,
     pub(super) cavity: Cavity,
+    /// The call's, while it runs.
+    pub(super) control: Control,
     pub(super) encroached: Encroached,
     pub(super) queue: Queue,
     facet: VoronoiFacet,
@@ -117,6 +119,7 @@ impl<'a> Refiner<'a> {
             mended: [GHOST; 2],
             created: Vec::new(),
             cavity: Cavity::default(),
+            control: Control::new(),
             encroached: Encroached::default(),
             queue: Queue::default(),
             facet: VoronoiFacet::default(),
@@ -149,6 +152,7 @@ impl<'a> Refiner<'a> {
 
     fn refine_all(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.watching = true;
+        self.control = control.clone();
         match self.begin(control) {
             Err(Error::Cancelled) => return Ok(RefineStatus::Cancelled),
             other => other?,
@@ -430,8 +434,7 @@ impl<'a> Refiner<'a> {
                 return Ok(placed);
             }
         }
-        if self.t.prepare(p, start, &mut self.cavity).is_err() {
-            self.cavity.clear();
+        if self.is_refused(p, start)? {
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
@@ -469,6 +472,7 @@ impl<'a> Refiner<'a> {
         if self.spare(p, clearance)? {
             return Ok(Placed::Spared);
         }
+        self.plan()?;
         let new = self.insert_prepared(p)?;
         self.finish()?;
         Ok(Placed::Inserted(new))
@@ -508,6 +512,23 @@ impl<'a> Refiner<'a> {
             let asked = Element::Facet(f).asked(t, boundary, demand);
             boundary.pending_facets.extend(asked.map(|demand| (f, demand)));
         }
+    }
+
+    /// Finds the cavity of `p`; whether `p` can't be inserted.
+    pub(super) fn is_refused(&mut self, p: DVec3, start: u32) -> Result<bool, Error> {
+        let prepared = self.t.prepare(p, start, &mut self.cavity, &self.control);
+        if prepared.is_err() {
+            self.cavity.clear();
+        }
+        match prepared {
+            Err(Unplaced::Cancelled) => Err(Error::Cancelled),
+            refused => Ok(refused.is_err()),
+        }
+    }
+
+    /// Prepares the insertion of the point that the cavity was found for: the last step that a control can cancel.
+    pub(super) fn plan(&mut self) -> Result<(), Error> {
+        self.t.plan(&mut self.cavity, &self.control)
     }
 
     pub(super) fn insert_prepared(&mut self, p: DVec3) -> Result<u32, Error> {

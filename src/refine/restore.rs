@@ -96,6 +96,7 @@ impl Refiner<'_> {
     /// missing.
     pub fn recover(&mut self, control: &Control) -> Result<RefineStatus, Error> {
         self.boundary.recovering = true;
+        self.control = control.clone();
         let (mut turns, mut first) = (0, Vec::new());
         let status = loop {
             if let Some(status) = self.limit(&mut turns, "boundary", control)? {
@@ -149,20 +150,8 @@ impl Refiner<'_> {
             Element::Segment(edge) => self.split_segment(edge, demand)?,
             Element::Facet(face) => self.split_facet(face, demand)?,
         };
-        let mut complete = !self.boundary.misses();
-        let follows = !complete;
-        let mut first = Vec::new();
-        for _ in 0..if follows { FOLLOWING } else { 0 } {
-            match self.recovery_step(&mut first, demand.following(), &|| true)? {
-                Step::Nothing => {
-                    complete = true;
-                    break;
-                }
-                Step::Split => {}
-                Step::Stuck => break,
-            }
-        }
-        if complete {
+        let follows = self.boundary.misses();
+        if !follows || self.follow(demand.following())? {
             let vertices = self.records.iter().map(|record| record.vertex);
             let stars: Vec<u32> = vertices.flat_map(|v| self.t.topology.star(v)).collect();
             let mut sound = !follows && !self.leaks(&stars);
@@ -185,6 +174,23 @@ impl Refiner<'_> {
             Element::Segment(edge) => self.block_segment(edge, NEVER),
             Element::Facet(face) => self.block_facet(face, NEVER),
         })
+    }
+
+    /// Splits what a split has left missing; whether nothing is missing then. No control cancels it: the split would be half done.
+    fn follow(&mut self, demand: Demand) -> Result<bool, Error> {
+        let control = std::mem::take(&mut self.control);
+        let (mut first, mut complete) = (Vec::new(), Ok(false));
+        for _ in 0..FOLLOWING {
+            match self.recovery_step(&mut first, demand, &|| true) {
+                Ok(Step::Split) => continue,
+                Ok(Step::Stuck) => {}
+                Ok(Step::Nothing) => complete = Ok(true),
+                Err(error) => complete = Err(error),
+            }
+            break;
+        }
+        self.control = control;
+        complete
     }
 
     /// Notes a split that was done.

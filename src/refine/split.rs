@@ -38,7 +38,7 @@ impl Refiner<'_> {
             return Ok(self.block_segment(edge, NEVER));
         }
         let blocked = p.distance(a).min(p.distance(b)) < self.min_edge;
-        match (blocked, self.t.prepare(p, start, &mut self.cavity)) {
+        match (blocked, self.t.prepare(p, start, &mut self.cavity, &self.control)) {
             // A vertex that stands just there takes the new one's place, unless it is an end: then the segment is too short to split.
             (false, Err(Unplaced::Occupied(existing))) if !edge.contains(&existing) => {
                 self.cavity.clear();
@@ -59,6 +59,10 @@ impl Refiner<'_> {
                 self.record((existing, false), before, changes, labels);
                 Ok(Split::Done(existing))
             }
+            (_, Err(Unplaced::Cancelled)) => {
+                self.block_segment(edge, NEVER);
+                Err(Error::Cancelled)
+            }
             (false, Ok(())) => {
                 self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
                 let next = self.t.next_vertex();
@@ -68,6 +72,10 @@ impl Refiner<'_> {
                 }
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
+                }
+                if let Err(error) = self.plan() {
+                    self.block_segment(edge, NEVER);
+                    return Err(error);
                 }
                 self.boundary.apply(&changes, p);
                 let labels = self.labels_of_cavity();
@@ -125,8 +133,15 @@ impl Refiner<'_> {
         let found = self.t.face_tetrahedron(face);
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
-        if too_near || self.boundary.keeps(found.is_some()) || self.t.prepare(p, start, &mut self.cavity).is_err() {
+        if too_near || self.boundary.keeps(found.is_some()) {
             return Ok(self.block_facet(face, NEVER));
+        }
+        match self.is_refused(p, start) {
+            Ok(false) => {}
+            other => {
+                let blocked = self.block_facet(face, NEVER);
+                return other.map(|_| blocked);
+            }
         }
         self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
         if self.rim_distance(p) < self.min_edge {
@@ -148,6 +163,10 @@ impl Refiner<'_> {
         }
         if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
             return Ok(self.block_facet(face, NEVER));
+        }
+        if let Err(error) = self.plan() {
+            self.block_facet(face, NEVER);
+            return Err(error);
         }
         self.boundary.apply(&changes, p);
         let labels = self.labels_of_cavity();

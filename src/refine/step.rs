@@ -173,7 +173,7 @@ impl Mesh {
         let (mut cavity, mut found, mut all) = (Cavity::default(), Encroached::default(), Encroached::default());
         for &p in samples {
             let p = flush_tiny(p);
-            if self.t.prepare(p, start, &mut cavity).is_ok() {
+            if self.t.prepare(p, start, &mut cavity, &Control::new()).is_ok() {
                 boundary.encroached_by(&self.t, p, &cavity, &mut found);
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);

@@ -584,6 +584,38 @@ fn a_circumcentre_beyond_the_predicates_range_is_no_vertex() {
     t.insert_many(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], &Control::new()).unwrap().unwrap();
     let mut cavity = Cavity::default();
     let far = DVec3::new(-2.332002758916108e115, 6.652755312662908e49, 6.652755312662906e49);
-    assert_eq!(t.prepare(far, t.recent(), &mut cavity), Err(Unplaced::OutOfRange));
-    assert_eq!(t.prepare(DVec3::X, t.recent(), &mut cavity), Err(Unplaced::Occupied(1)));
+    assert_eq!(t.prepare(far, t.recent(), &mut cavity, &Control::new()), Err(Unplaced::OutOfRange));
+    assert_eq!(t.prepare(DVec3::X, t.recent(), &mut cavity, &Control::new()), Err(Unplaced::Occupied(1)));
+}
+
+/// The first sample in a sphere has a large cavity, that of all its vertices.
+#[test]
+fn a_refinement_is_cancelled_amid_large_cavities() {
+    let count = 2000;
+    let point = |i: usize| {
+        let (z, angle) = (1.0 - (2 * i + 1) as f64 / count as f64, i as f64 * 2.399963);
+        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
+    };
+    let points: Vec<DVec3> = (0..count).map(point).collect();
+    let mut sphere = Mesh::new();
+    sphere.insert(&points, None, &Control::new()).unwrap();
+    for rule in [Rule::Sparse, Rule::Circumcenter] {
+        let one = RefineOptions { rule, max_vertices: count + 1, ..RefineOptions::default() };
+        let (control, mut refined) = (Control::new(), sphere.clone());
+        let looks = control.looks(None, || drop(refined.refine(&one, &control).unwrap()));
+        assert!(looks > 20, "{looks}");
+        for last in (1..=looks).rev().take(60).chain((1..looks).step_by(1013)) {
+            let mut mesh = sphere.clone();
+            let made = control.looks(Some(last), || {
+                let report = mesh.refine(&one, &control).unwrap();
+                assert_eq!(report.status, RefineStatus::Cancelled, "look {last} of {looks}");
+            });
+            // Each list that is given back looks once more.
+            assert!(made <= last + 8, "{made} looks, {last} was the last");
+            mesh.validate(2).unwrap();
+            mesh.refine(&one, &control).unwrap();
+            assert_eq!(mesh.triangulation().vertex_count(), refined.triangulation().vertex_count());
+            mesh.validate(2).unwrap();
+        }
+    }
 }

@@ -260,7 +260,7 @@ fn a_hole_that_follows_from_another_is_as_one_made_anew() {
         }
         // The hole of a vertex from the cavity of a point: as if the point had been inserted, and both were removed.
         let p = t.at(w) + 0.1 * (DVec3::new(next(), next(), next()) - 0.5);
-        t.prepare(p, t.recent(), &mut cavity).unwrap();
+        t.prepare(p, t.recent(), &mut cavity, &Control::new()).unwrap();
         if known.take_cavity(&t, &boundary, p, &cavity, demand)
             && more.fill_more(&mut known, &t, &boundary, (w, 0.0), demand, usize::MAX)
         {

@@ -146,8 +146,9 @@ impl Triangulation {
                 progress.duplicates.push((vertex, at));
                 continue;
             }
-            self.find_cavity(&self.filter, point, t, &mut cavity);
-            if let Err(error) = self.commit(vertex, &mut cavity, false) {
+            let found = self.find_cavity(&self.filter, point, t, &mut cavity, progress.control);
+            let planned = found.and_then(|()| self.plan(&mut cavity, progress.control));
+            if let Err(error) = planned.and_then(|()| self.commit(vertex, &mut cavity, false)) {
                 self.scratch = cavity;
                 return Err(error);
             }

@@ -32,6 +32,8 @@ pub struct Cavity {
     /// Numbers for the cavity's vertices.
     pub(super) labels: Labels,
     pub(super) star: StarBuilder,
+    /// Whether the star that replaces it is [planned](Self::plan).
+    pub(super) planned: bool,
 }
 
 impl Cavity {
@@ -113,7 +115,7 @@ impl Cavity {
 
 impl Leavings for Cavity {
     fn give_back(&mut self) -> bool {
-        self.marks.give_back() || self.labels.give_back()
+        self.marks.give_back() || self.labels.give_back() || self.star.large.give_back()
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Inserted {
 pub(crate) enum Unplaced {
     /// This vertex is at the same place.
     Occupied(u32),
+    /// The control has cancelled the search.
+    Cancelled,
     /// A coordinate is one that the [predicates can't hold](crate::geometry::check_range), as the circumcentre's of corners that nearly are in line.
     OutOfRange,
 }
@@ -188,7 +190,7 @@ impl Triangulation {
         if self.dimension() < 3 {
             return self.insert_lower(vertex, point, journal, control);
         }
-        self.insert_noted(vertex, start, journal)
+        self.insert_noted(vertex, start, journal, control)
     }
 
     fn insert_lower(
@@ -240,7 +242,7 @@ impl Triangulation {
                 return Err(Error::Cancelled);
             }
             self.room_ahead(control)?;
-            self.insert_stored(v, self.last)?;
+            self.insert_noted(v, self.last, None, control)?;
         }
         Ok(())
     }
@@ -277,12 +279,18 @@ impl Triangulation {
     /// Inserts a vertex whose point is stored, in dimension 3.
     #[inline]
     pub(super) fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
-        self.insert_noted(vertex, start, None)
+        self.insert_noted(vertex, start, None, &Control::new())
     }
 
-    /// [`insert_stored`](Self::insert_stored), with a note in the journal.
+    /// [`insert_stored`](Self::insert_stored), with a note in the journal, unless it is cancelled.
     #[inline]
-    fn insert_noted(&mut self, vertex: u32, start: u32, journal: Option<&mut Journal>) -> Result<Inserted, Error> {
+    fn insert_noted(
+        &mut self,
+        vertex: u32,
+        start: u32,
+        journal: Option<&mut Journal>,
+        control: &Control,
+    ) -> Result<Inserted, Error> {
         let point = self.at(vertex);
         let t = self.walk(point, start);
         if let Some(at) = self.vertex_at(t, point) {
@@ -290,8 +298,9 @@ impl Triangulation {
             return Ok(Inserted { vertex: at, is_new: false });
         }
         let mut cavity = std::mem::take(&mut self.scratch);
-        self.find_cavity(&self.filter, point, t, &mut cavity);
-        let noted = journal.map_or(Ok(()), |journal| journal.note(self, &cavity));
+        let found = self.find_cavity(&self.filter, point, t, &mut cavity, control);
+        let planned = found.and_then(|()| self.plan(&mut cavity, control));
+        let noted = planned.and_then(|()| journal.map_or(Ok(()), |journal| journal.note(self, &cavity)));
         let result = match noted {
             Ok(()) => self.commit(vertex, &mut cavity, true),
             Err(error) => {
@@ -303,6 +312,14 @@ impl Triangulation {
         result.map(|()| Inserted { vertex, is_new: true })
     }
 
+    /// Prepares what fills a large cavity, which takes most of the time that filling it does: [`Error::Cancelled`] when `control` says so, and the
+    /// cavity is as it was. Left out, it is done on insertion.
+    #[inline]
+    pub(crate) fn plan(&self, cavity: &mut Cavity, control: &Control) -> Result<(), Error> {
+        // SAFETY: the cavity is one of this triangulation, which has not changed since.
+        unsafe { cavity.plan(Site::of(self), control) }
+    }
+
     /// Inserts the point of `vertex` into its cavity. Without `incidence`, `vertex_tet` is left for later.
     #[inline]
     pub(super) fn commit(&mut self, vertex: u32, cavity: &mut Cavity, incidence: bool) -> Result<(), Error> {
@@ -310,7 +327,8 @@ impl Triangulation {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
         }
-        if let Err(error) = self.reserve_for(cavity) {
+        let planned = self.plan(cavity, &Control::new());
+        if let Err(error) = planned.and_then(|()| self.reserve_for(cavity)) {
             cavity.clear();
             return Err(error);
         }
@@ -323,7 +341,8 @@ impl Triangulation {
     #[inline]
     fn reserve_for(&mut self, cavity: &mut Cavity) -> Result<(), Error> {
         let before = self.topology.tets.capacity();
-        self.topology.reserve(cavity.faces.len())?;
+        // The cavity's own places are used again.
+        self.topology.reserve(cavity.faces.len().saturating_sub(cavity.tets.len()))?;
         let now = self.topology.tets.capacity();
         if now == before {
             return Ok(());
@@ -344,7 +363,13 @@ impl Triangulation {
 
     /// Finds the cavity of a point that is to be inserted perhaps: [`insert_into`](Self::insert_into) does it, dropping the cavity does
     /// not. Dimension 3 only; `start` is a tetrahedron near the point, and one in conflict with it saves the walk.
-    pub(crate) fn prepare(&self, point: DVec3, start: u32, cavity: &mut Cavity) -> Result<(), Unplaced> {
+    pub(crate) fn prepare(
+        &self,
+        point: DVec3,
+        start: u32,
+        cavity: &mut Cavity,
+        control: &Control,
+    ) -> Result<(), Unplaced> {
         if check_range(0, point).is_err() {
             return Err(Unplaced::OutOfRange);
         }
@@ -356,8 +381,7 @@ impl Triangulation {
         if let Some(at) = self.vertex_at(t, point) {
             return Err(Unplaced::Occupied(at));
         }
-        self.find_cavity(&filter, point, t, cavity);
-        Ok(())
+        self.find_cavity(&filter, point, t, cavity, control).map_err(|_| Unplaced::Cancelled)
     }
 
     /// Inserts the point that `cavity` was found for.

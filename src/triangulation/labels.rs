@@ -69,6 +69,18 @@ impl Labels {
         unsafe { *self.of.get_unchecked(entry) }
     }
 
+    /// The lowest number of the cavity's.
+    #[inline]
+    pub fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// How many vertices of the cavity have numbers.
+    #[inline]
+    pub fn count(&self) -> usize {
+        (self.next - self.first) as usize
+    }
+
     /// The number of a vertex of the cavity, counted from 0.
     #[inline]
     pub fn number(&self, v: u32) -> usize {

@@ -33,6 +33,7 @@ mod incident;
 mod insert;
 mod journal;
 mod labels;
+mod large_star;
 mod locate;
 mod lower;
 mod order;

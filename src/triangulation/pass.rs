@@ -218,7 +218,9 @@ impl Pass<'_> {
                     outcome.duplicates.push((vertex, at));
                     continue;
                 }
-                if !search_from(site, filter, point, t, cavity, own) || !self.allocate(territory, cavity, &mut outcome)
+                if !search_from(site, filter, point, t, cavity, (own, self.control))
+                    || cavity.plan(site, self.control).is_err()
+                    || !self.allocate(territory, cavity, &mut outcome)
                 {
                     cavity.clear();
                     outcome.put_off.push((vertex, t));

@@ -323,7 +323,7 @@ impl Triangulation {
             None => {}
         }
         let mut cavity = std::mem::take(&mut hole.cavity);
-        self.find_cavity(&filter, p, t, &mut cavity);
+        self.find_cavity(&filter, p, t, &mut cavity, &Control::new())?;
         for &t in &cavity.tets {
             if !hole.contains(t) {
                 hole.take(t, self.topology.tet(t).v);

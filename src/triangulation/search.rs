@@ -23,6 +23,7 @@ use crate::geometry::lanes::{Lanes, Portable, POSITIONS};
 use crate::geometry::perturbation::perturbed;
 use crate::geometry::predicates::{insphere_lanes, insphere_lanes_again, orient_lanes, Beside};
 use crate::geometry::{Filter, Sign};
+use crate::{Control, Error};
 
 #[cfg(target_arch = "x86_64")]
 use crate::geometry::lanes::Avx2;
@@ -38,14 +39,26 @@ impl Triangulation {
     }
 
     /// Finds the cavity of `p`, starting from a tetrahedron in conflict with it. `p` must not be a vertex; the
-    /// filter covers the triangulation and `p`.
+    /// filter covers the triangulation and `p`. [`Error::Cancelled`] when `control` says so: then what was found is no cavity.
     #[inline]
-    pub(crate) fn find_cavity(&self, filter: &Filter, p: DVec3, start: u32, cavity: &mut Cavity) {
+    pub(crate) fn find_cavity(
+        &self,
+        filter: &Filter,
+        p: DVec3,
+        start: u32,
+        cavity: &mut Cavity,
+        control: &Control,
+    ) -> Result<(), Error> {
         debug_assert!(self.conflicts(filter, start, p));
         assert!((start as usize) < self.topology.tets.len());
         cavity.begin(self.topology.tets.len(), self.topology.tets.capacity());
         // SAFETY: `start` exists, every tetrahedron has a mark, and nothing changes the triangulation meanwhile.
-        unsafe { search_from(Site::of(self), filter, p, start, cavity, Everywhere) };
+        if unsafe { search_from(Site::of(self), filter, p, start, cavity, (Everywhere, control)) } {
+            Ok(())
+        } else {
+            cavity.clear();
+            Err(Error::Cancelled)
+        }
     }
 }
 
@@ -75,15 +88,15 @@ pub(super) unsafe fn search_from<T: Territory>(
     p: DVec3,
     start: u32,
     cavity: &mut Cavity,
-    own: T,
+    (own, control): (T, &Control),
 ) -> bool {
     #[cfg(target_arch = "x86_64")]
     if Avx2::available() {
         // SAFETY: the processor has what the function is compiled for; the rest is the caller's promise.
-        return unsafe { search_avx2(site, filter, p, start, cavity, own) };
+        return unsafe { search_avx2(site, filter, p, start, cavity, (own, control)) };
     }
     // SAFETY: the caller's promise.
-    unsafe { search::<Portable, T>(site, filter, p, start, cavity, own) }
+    unsafe { search::<Portable, T>(site, filter, p, start, cavity, (own, control)) }
 }
 
 /// # Safety
@@ -105,10 +118,10 @@ unsafe fn search_avx2<T: Territory>(
     p: DVec3,
     start: u32,
     cavity: &mut Cavity,
-    own: T,
+    (own, control): (T, &Control),
 ) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { search::<Avx2, T>(site, filter, p, start, cavity, own) }
+    unsafe { search::<Avx2, T>(site, filter, p, start, cavity, (own, control)) }
 }
 
 // No closures and no `map` over lanes: what is not inlined always would be compiled for the plain processor.
@@ -203,10 +216,12 @@ fn unsure_faces(filter: &Filter, corners: [&DVec3; 4], p: DVec3, unsure: u32) ->
         .sum()
 }
 
+/// Tetrahedra whose neighbours are looked at between two looks at the control.
+const BETWEEN_LOOKS: usize = 1 << 10;
 /// How many turns before its own the neighbours of a tetrahedron are fetched.
 const AHEAD: usize = 2;
 
-/// Returns whether the cavity was found: where it reaches beyond the territory, the search ends.
+/// Returns whether the cavity was found: where it reaches beyond the territory, or the control says so, the search ends.
 ///
 /// # Safety
 /// `start` is the index of a live tetrahedron that may be read, and `cavity` is empty with marks for all tetrahedra.
@@ -217,12 +232,13 @@ unsafe fn search<L: Lanes, T: Territory>(
     p: DVec3,
     start: u32,
     cavity: &mut Cavity,
-    own: T,
+    (own, control): (T, &Control),
 ) -> bool {
     let centre = splat::<L>(&p);
     let bound = filter.insphere_bound();
     let (above, below) = (L::splat(bound), L::splat(-bound));
-    let Cavity { marks, tets, faces, entries, labels, .. } = cavity;
+    let Cavity { marks, tets, faces, entries, labels, planned, .. } = cavity;
+    *planned = false;
     let marks = &mut marks[..];
     let mut giver = labels.begin(site.points().len());
     // The list of entries is the queue too: those from `next` on have neighbours to be looked at. Lengths are kept here while the loop
@@ -244,7 +260,10 @@ unsafe fn search<L: Lanes, T: Territory>(
                 entries.set_len(tets_len);
                 faces.set_len(faces_len);
             }
-            room = make_room([&mut *entries, &mut *faces], next);
+            if next != 0 && !control.poll() {
+                break false;
+            }
+            room = make_room([&mut *entries, &mut *faces], next).min(next + BETWEEN_LOOKS);
             debug_assert!(room > next);
         }
         // SAFETY: this one has been written.
@@ -482,9 +501,9 @@ mod tests {
                 let found = walk::<Portable, _>(Site::of(&t), &filter, p, t.recent(), Everywhere);
                 assert_eq!(found, (start, true));
                 portable.begin(t.topology.tets.len(), t.topology.tets.capacity());
-                assert!(search::<Portable, _>(Site::of(&t), &filter, p, start, &mut portable, Everywhere));
+                assert!(search::<Portable, _>(Site::of(&t), &filter, p, start, &mut portable, (Everywhere, &Control::new())));
             }
-            t.find_cavity(&filter, p, start, &mut fast);
+            t.find_cavity(&filter, p, start, &mut fast, &Control::new()).unwrap();
             assert_eq!((&fast.tets, &fast.faces), (&portable.tets, &portable.faces));
             // And what one predicate after the other says.
             let all: Vec<u32> = t.topology.live().filter(|&t_| t.conflicts(&filter, t_, p)).collect();

@@ -3,15 +3,17 @@
 //! The new tetrahedra find each other through the edges of the cavity's surface: each occurs once in either direction. The vertices
 //! of the surface have small [labels](super::labels), and a square table holds the face that each directed edge belongs to. It is written in
 //! one pass and read in a second, without clearing, hashing or branches. Only cavities with more than
-//! 256 vertices are sorted instead.
+//! 256 vertices are [planned ahead](super::large_star) instead.
 
 use std::mem::MaybeUninit;
 
 use super::cavity::Cavity;
 use super::labels::{Labels, ALIGNMENT};
+use super::large_star::LargeStar;
 use super::site::Site;
-use super::topology::{slot_of, tet_of, Tetrahedron, EVEN_REST, GHOST, NONE};
+use super::topology::{slot_of, tet_of, GHOST, NONE};
 use super::Triangulation;
+use crate::{Control, Error};
 
 /// A tetrahedron to come: its place is free only once all of them have been read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,7 +27,7 @@ struct Planned {
 }
 
 /// Slots `i` and the three others, which are `i` xor each of these: in this order an even permutation.
-const REST: [usize; 3] = [1, 2, 3];
+pub(super) const REST: [usize; 3] = [1, 2, 3];
 
 /// Scratch memory for one star after another.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +35,8 @@ pub(super) struct StarBuilder {
     /// For large cavities: the face at each directed edge.
     table: Vec<u32>,
     planned: Vec<Planned>,
-    sorted: Vec<(u64, u32)>,
+    /// For larger ones.
+    pub(super) large: LargeStar,
     /// Those of what a new tetrahedron comes from.
     regions: Vec<u16>,
 }
@@ -49,11 +52,14 @@ const fn faces_of(vertices: usize) -> usize {
 
 impl Triangulation {
     /// Replaces the cavity by the star of vertex `new`, whose point is in place. `cavity.created` names the new tetrahedra.
-    /// Without `incidence`, `vertex_tet` is left for later.
+    /// Without `incidence`, `vertex_tet` is left for later. What [`Cavity::plan`] plans is planned.
     #[inline]
     pub(super) fn fill_cavity(&mut self, new: u32, cavity: &mut Cavity, incidence: bool) {
         let topology = &mut self.topology;
         let count = cavity.faces.len();
+        if cavity.labels.has_ghost() {
+            topology.ghosts -= cavity.tets.iter().filter(|&&t| topology.tet(t).is_ghost()).count();
+        }
         topology.allocate(&cavity.tets, count, &mut cavity.created);
         if !topology.region.is_empty() {
             // Slots are reused at once: read the labels before they are overwritten.
@@ -82,15 +88,30 @@ impl Triangulation {
 }
 
 impl Cavity {
+    /// Plans the star that replaces it, if it is a large one and no plan is there yet. After an error, that of a cancellation perhaps, the cavity is as it was.
+    ///
+    /// # Safety
+    /// The cavity is one of `site` as it is.
+    #[inline]
+    pub(super) unsafe fn plan(&mut self, site: Site, control: &Control) -> Result<(), Error> {
+        if self.faces.len() > faces_of(LARGE) && !self.planned {
+            // SAFETY: the caller's promise.
+            unsafe { self.star.large.plan(site, &self.faces, &self.labels, control) }?;
+            self.planned = true;
+        }
+        Ok(())
+    }
+
     /// Writes the star of vertex `new` to the places that are listed in `created`, one for each of the cavity's faces; the cavity's own places
     /// come first. Returns how many ghosts it has. The marks are taken back, the lists are not.
     ///
     /// # Safety
-    /// The cavity is one of `site` as it is. Its tetrahedra, their neighbours, and what is at the places are nobody else's.
+    /// The cavity is one of `site` as it is, and [planned](Self::plan). Its tetrahedra, their neighbours, and what is at the places are nobody else's.
     #[inline]
     pub(super) unsafe fn fill(&mut self, site: Site, new: u32) -> usize {
-        let Cavity { marks, tets, faces, created, star, labels, .. } = self;
+        let Cavity { marks, tets, faces, created, star, labels, planned, .. } = self;
         debug_assert_eq!(faces.len(), created.len());
+        debug_assert!(*planned || faces.len() <= faces_of(LARGE));
         for &t in tets.iter() {
             marks[t as usize] = 0;
         }
@@ -99,7 +120,7 @@ impl Cavity {
             match faces.len() {
                 n if n <= faces_of(SMALL) => build_small(site, new, faces, created, labels),
                 n if n <= faces_of(LARGE) => star.build_large(site, new, faces, created, labels),
-                _ => star.build_by_sorting(site, new, faces, created),
+                _ => return star.large.write(site, new, faces, created),
             }
             if !labels.has_ghost() {
                 return 0;
@@ -185,44 +206,5 @@ impl StarBuilder {
         let (table, planned) = (self.table.as_mut_ptr(), self.planned.as_mut_ptr());
         // SAFETY: the caller's promise.
         unsafe { build::<LARGE>(site, new, (faces, created), labels, table, planned) };
-    }
-
-    /// For stars of any size: the two faces of an edge become neighbours in sorted order.
-    ///
-    /// # Safety
-    /// As [`Cavity::fill`].
-    #[cold]
-    unsafe fn build_by_sorting(&mut self, site: Site, new: u32, faces: &[u32], created: &[u32]) {
-        let plan = |&face: &u32| {
-            // SAFETY: a tetrahedron of the cavity.
-            let (tet, slot) = (unsafe { site.tet(tet_of(face)) }, slot_of(face));
-            let mut v = tet.v;
-            v[slot] = new;
-            Planned { v, outside: tet.n[slot], labels: 0 }
-        };
-        self.planned.clear();
-        self.planned.extend(faces.iter().map(plan));
-        self.sorted.clear();
-        for ((planned, &t), &face) in self.planned.iter().zip(created).zip(faces) {
-            let slot = slot_of(face);
-            // SAFETY: a place of the star, and a neighbour of the cavity.
-            unsafe {
-                site.put(t, Tetrahedron { v: planned.v, n: [planned.outside; 4] });
-                site.link(planned.outside, 4 * t + slot as u32);
-            }
-            for j in REST.map(|other| slot ^ other) {
-                let [k, l] = EVEN_REST[slot][j].map(|i| planned.v[i]);
-                self.sorted.push((u64::from(k.min(l)) << 32 | u64::from(k.max(l)), 4 * t + j as u32));
-            }
-        }
-        self.sorted.sort_unstable();
-        for pair in self.sorted.chunks_exact(2) {
-            debug_assert_eq!(pair[0].0, pair[1].0);
-            // SAFETY: places of the star.
-            unsafe {
-                site.link(pair[0].1, pair[1].1);
-                site.link(pair[1].1, pair[0].1);
-            }
-        }
     }
 }

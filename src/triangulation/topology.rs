@@ -224,13 +224,10 @@ impl Topology {
     }
 
     /// Finds slots for `count` tetrahedra: those of the tetrahedra in `old`, which are still to be read and then to be
-    /// written over, free ones, and new ones.
+    /// written over, free ones, and new ones. Ghosts among the old ones are not counted off.
     #[inline]
     pub(super) fn allocate(&mut self, old: &[u32], count: usize, slots: &mut Vec<u32>) {
         slots.clear();
-        for &t in old {
-            self.ghosts -= usize::from(self.tet(t).is_ghost());
-        }
         slots.extend_from_slice(&old[..old.len().min(count)]);
         while slots.len() < count {
             slots.push(match self.free.pop() {

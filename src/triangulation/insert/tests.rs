@@ -129,15 +129,18 @@ fn dimension_grows_with_the_points() {
     assert_eq!(t.insert(DVec3::new(-0.0, 0.0, 0.0), None).unwrap(), Inserted { vertex: 0, is_new: false });
 }
 
+/// So many points on a sphere. One at its centre conflicts with everything inside.
+fn on_a_sphere(count: usize) -> Vec<DVec3> {
+    let point = |i: usize| {
+        let (z, angle) = (1.0 - (2 * i + 1) as f64 / count as f64, i as f64 * 2.399963);
+        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
+    };
+    (0..count).map(point).collect()
+}
+
 #[test]
 fn large_cavities_are_joined_by_sorting() {
-    // A point at the centre of a sphere of 600 others conflicts with everything inside.
-    let mut points: Vec<DVec3> = (0..600)
-        .map(|i| {
-            let (z, angle) = (1.0 - (i as f64 + 0.5) / 300.0, i as f64 * 2.399963);
-            DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
-        })
-        .collect();
+    let mut points = on_a_sphere(600);
     points.push(DVec3::splat(1e-3));
     let mut t = Triangulation::new();
     for &p in &points {
@@ -145,6 +148,28 @@ fn large_cavities_are_joined_by_sorting() {
     }
     t.validate(3).unwrap();
     assert!(t.topology.star(600).len() > 1000);
+}
+
+#[test]
+fn an_insertion_with_a_large_cavity_can_be_cancelled_at_every_look() {
+    let points = on_a_sphere(3000);
+    let mut t = Triangulation::new();
+    t.insert_many(&points, &Control::new()).unwrap().unwrap();
+    let before = sorted_tets(&t);
+    let (control, mut inserted) = (Control::new(), t.clone());
+    let looks = control.looks(None, || assert_eq!(inserted.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000]))));
+    assert!(looks > 15, "{looks}");
+    // Lists grow in the first of two tries only.
+    for last in 1..=looks {
+        let mut t = t.clone();
+        let made = control.looks(Some(last), || assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(None), "look {last} of {looks}"));
+        assert_eq!(made, last);
+        assert_eq!((t.vertex_count(), sorted_tets(&t)), (3000, before.clone()));
+        t.validate(2).unwrap();
+        assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000])));
+        assert_eq!(sorted_tets(&t), sorted_tets(&inserted));
+    }
+    inserted.validate(3).unwrap();
 }
 
 #[test]

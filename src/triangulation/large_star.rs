@@ -1,0 +1,138 @@
+//! The stars of large cavities, planned ahead. A vertex in the middle of a million others on a sphere gets two million tetrahedra: most of
+//! the work of linking them is done before anything changes, in parts, so that a control can cancel it.
+//!
+//! The three edges of each of the cavity's faces are sorted, by the [labels](super::labels) of their vertices and in linear time, so that the two faces
+//! at an edge come one after the other.
+
+use super::labels::Labels;
+use super::site::Site;
+use super::star::REST;
+use super::topology::{slot_of, tet_of, Tetrahedron, EVEN_REST, GHOST};
+use crate::leavings::Leavings;
+use crate::{memory, Control, Error};
+
+/// Faces or edges between two looks at the control.
+const PART: usize = 1 << 12;
+
+/// An edge of one of the cavity's faces.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    /// The labels of its vertices, counted from 0, the lower one first.
+    ends: [u32; 2],
+    /// The new tetrahedron's face at it: four times the position in the plan, and the slot.
+    face: u32,
+}
+
+/// The star to come, and scratch memory to plan the next one in.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LargeStar {
+    /// In the order of the cavity's faces. The new vertex's slot has the old one still, and the neighbour outside the cavity; the other
+    /// neighbours are faces in the plan.
+    planned: Vec<Tetrahedron>,
+    ghosts: usize,
+    sides: Vec<Side>,
+    sorted: Vec<Side>,
+    /// By label: where the next side with it goes.
+    places: Vec<u32>,
+}
+
+impl LargeStar {
+    /// Plans the star that replaces a cavity with these faces. After an error there is no plan.
+    ///
+    /// # Safety
+    /// The faces are those of a cavity of `site` as it is, and the labels are its.
+    #[cold]
+    pub unsafe fn plan(&mut self, site: Site, faces: &[u32], labels: &Labels, control: &Control) -> Result<(), Error> {
+        self.planned.clear();
+        self.sides.clear();
+        self.ghosts = 0;
+        memory::reserve(&mut self.planned, faces.len(), "star")?;
+        memory::reserve(&mut self.sides, 3 * faces.len(), "star")?;
+        for part in faces.chunks(PART) {
+            control.check()?;
+            for &face in part {
+                // SAFETY: a tetrahedron of the cavity, whose vertices have labels.
+                let (mut tet, slot) = (*unsafe { site.tet(tet_of(face)) }, slot_of(face));
+                let position = self.planned.len() as u32;
+                for j in REST.map(|other| slot ^ other) {
+                    // SAFETY: as above.
+                    let [k, l] = EVEN_REST[slot][j].map(|i| unsafe { labels.of(tet.v[i]) } - labels.first());
+                    self.sides.push(Side { ends: [k.min(l), k.max(l)], face: 4 * position + j as u32 });
+                }
+                self.ghosts += usize::from((0..4).any(|i| i != slot && tet.v[i] == GHOST));
+                tet.n = [tet.n[slot]; 4];
+                self.planned.push(tet);
+            }
+        }
+        self.sort(1, labels.count(), control)?;
+        self.sort(0, labels.count(), control)?;
+        for part in self.sides.chunks(PART) {
+            control.check()?;
+            for pair in part.chunks_exact(2) {
+                debug_assert_eq!(pair[0].ends, pair[1].ends);
+                for (from, to) in [(pair[0].face, pair[1].face), (pair[1].face, pair[0].face)] {
+                    self.planned[tet_of(from) as usize].n[slot_of(from)] = to;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sorts the sides by one of their ends; those that agree in it stay in their order.
+    fn sort(&mut self, end: usize, labels: usize, control: &Control) -> Result<(), Error> {
+        let LargeStar { sides, sorted, places, .. } = self;
+        places.clear();
+        memory::reserve(places, labels + 1, "star")?;
+        places.resize(labels + 1, 0);
+        memory::reserve(sorted, sides.len().saturating_sub(sorted.len()), "star")?;
+        for part in sides.chunks(PART) {
+            control.check()?;
+            part.iter().for_each(|side| places[side.ends[end] as usize + 1] += 1);
+            // Its memory is touched for the first time in parts as well.
+            sorted.resize(sorted.len().max((sorted.len() + PART).min(sides.len())), Side::default());
+        }
+        for i in 1..places.len() {
+            places[i] += places[i - 1];
+        }
+        for part in sides.chunks(PART) {
+            control.check()?;
+            for &side in part {
+                let place = &mut places[side.ends[end] as usize];
+                sorted[*place as usize] = side;
+                *place += 1;
+            }
+        }
+        sorted.truncate(sides.len());
+        std::mem::swap(sides, sorted);
+        Ok(())
+    }
+
+    /// Writes the planned star of vertex `new` to the places in `created`. Returns how many ghosts it has.
+    ///
+    /// # Safety
+    /// The faces are those that it was planned for, and nothing has changed since. Their tetrahedra, those beyond them, and what is at the places are
+    /// nobody else's.
+    pub unsafe fn write(&self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
+        debug_assert!(self.planned.len() == faces.len() && created.len() == faces.len());
+        for ((planned, &t), &face) in self.planned.iter().zip(created).zip(faces) {
+            let slot = slot_of(face);
+            let Tetrahedron { mut v, n } = *planned;
+            v[slot] = new;
+            let outside = n[slot];
+            let mut n = n.map(|face| 4 * created[(tet_of(face) as usize).min(created.len() - 1)] + slot_of(face) as u32);
+            n[slot] = outside;
+            // SAFETY: a place of the star, and a neighbour of the cavity.
+            unsafe {
+                site.put(t, Tetrahedron { v, n });
+                site.link(outside, 4 * t + slot as u32);
+            }
+        }
+        self.ghosts
+    }
+}
+
+impl Leavings for LargeStar {
+    fn give_back(&mut self) -> bool {
+        self.planned.give_back() || self.sides.give_back() || self.sorted.give_back()
+    }
+}
