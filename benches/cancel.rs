@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use wellspaced::host::{sample_arrays, Arrays};
-use wellspaced::{Control, DVec3, Mesh, Plc, RefineOptions, Sparsify, StepOptions};
+use wellspaced::{Control, DVec3, Mesh, Plc, PlcFacet, RefineOptions, Sparsify, StepOptions};
 
 fn scattered(count: usize) -> Vec<DVec3> {
     let mut state = 7u64;
@@ -107,6 +107,33 @@ fn adverse() {
             mesh.refine(&limits, control).unwrap();
         });
     }
+    // A surface of a million triangles, a torus with bumps.
+    let side = 707u32;
+    let turn = |i: u32| f64::from(i) / f64::from(side) * std::f64::consts::TAU;
+    let bumpy = |i: u32| {
+        let ((sin, cos), (sin_small, cos_small)) = (turn(i / side).sin_cos(), turn(i % side).sin_cos());
+        let radius = 1.0 + 0.05 * (7.0 * turn(i / side)).sin() * (5.0 * turn(i % side)).cos();
+        let out = 3.0 + radius * cos_small;
+        DVec3::new(out * cos, out * sin, radius * sin_small)
+    };
+    let at = |i: u32, j: u32| (i % side) * side + j % side;
+    let facet = |polygon: [u32; 3]| PlcFacet { polygons: vec![polygon.to_vec()], ..PlcFacet::default() };
+    let facets = (0..side * side).flat_map(|k| {
+        let (i, j) = (k / side, k % side);
+        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+        [[a, b, c], [a, c, d]].map(facet)
+    });
+    let torus = Plc { points: (0..side * side).map(bumpy).collect(), facets: facets.collect(), ..Plc::default() };
+    let nothing = || ();
+    measure("a torus of 999698 triangles", 6, nothing, |(), control| drop(Mesh::from_plc(&torus, control)));
+    let mesh = Mesh::from_plc(&torus, &Control::new()).unwrap();
+    let fresh = || mesh.try_clone(&Control::new()).unwrap();
+    let limits = RefineOptions { max_vertices: mesh.view().points.len() + 20_000, ..RefineOptions::default() };
+    measure("refine the torus, begun", 12, fresh, |mesh, control| {
+        mesh.refine(&limits, control).unwrap();
+    });
+    measure("clone the torus", 12, nothing, |(), control| drop(mesh.try_clone(control)));
+    drop(mesh);
     // A plane grid and one vertex that sees all of it.
     let grid = (0..1_000_000).map(|i| DVec3::new((i % 1000) as f64, (i / 1000) as f64, 0.0));
     let grid: Vec<DVec3> = grid.chain([DVec3::new(500.3, 500.7, 1e6)]).collect();

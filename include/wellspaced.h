@@ -1041,8 +1041,9 @@ void wsp_control_free(struct wsp_control *control);
  * WSP_CANCELLED, within some milliseconds: large memory that they have no more use for they leave to the control, which gives it back when it is
  * reset or freed. Any thread may call this, a callback too. Constant time.
  *
- * What a call does in one step it ends first. Steps take longer than that where one vertex has a large star: inserting, removing or splitting beside a
- * vertex of a million tetrahedra, as the centre of as many points on a sphere is one, takes a second or two, and a facet of half a million points 30 ms.
+ * What a call does in one step it ends first. A step takes longer than that where one vertex has a star of a million tetrahedra, as the centre of as many
+ * points on a sphere has: some 50 ms to put such a vertex in, half a second to split the boundary beside it. With a facet of half a million points steps
+ * take up to 20 ms.
  * Errors: WSP_ERR_NULL.
  */
 wsp_status wsp_control_cancel(struct wsp_control *control);

@@ -45,8 +45,9 @@ pub type LogCallback = dyn Fn(LogLevel, &str) + Send + Sync;
 /// A cancelled call returns within some milliseconds. It does not wait for the system to take back large memory: that stays with the control until
 /// it is [reset](Self::reset) or dropped.
 ///
-/// What a call does in one step it ends first. Steps take longer than that where one vertex has a large star: inserting, removing or splitting beside a
-/// vertex of a million tetrahedra, as the centre of as many points on a sphere is one, takes a second or two, and a facet of half a million points 30 ms.
+/// What a call does in one step it ends first. A step takes longer than that where one vertex has a star of a million tetrahedra, as the centre of as many
+/// points on a sphere has: some 50 ms to put such a vertex in, half a second to split the boundary beside it. With a facet of half a million points steps
+/// take up to 20 ms.
 #[derive(Clone, Default)]
 pub struct Control {
     shared: Arc<Shared>,

@@ -494,7 +494,8 @@ impl Boundary {
         facets: &[[u32; 3]],
         demand: Demand,
     ) {
-        // What encroaches upon an element at `new`, or that it is missing, shows in the star.
+        // What encroaches upon an element at `new`, or that it is missing, shows in the star. A segment has two parts at most, but a facet's split may bring
+        // as many triangles as there are vertices.
         let other = |vertices: &[u32], tet: u32| {
             let v = t.topology.tet(tet).v;
             vertices
@@ -511,12 +512,32 @@ impl Boundary {
                 self.pending_segments.push_back((edge_key(edge), demand));
             }
         }
+        let side = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
+        let across = |face: [u32; 3]| {
+            debug_assert!(face.contains(&new));
+            let at = face.iter().position(|&v| v == new).unwrap_or(0);
+            side(face[(at + 1) % 3], face[(at + 2) % 3])
+        };
+        let mut found: Vec<_> = facets.iter().map(|&face| (across(face), face, State::Missing)).collect();
+        found.sort_unstable_by_key(|&(side, ..)| side);
+        for &tet in if found.is_empty() { &[] } else { star } {
+            let v = t.topology.tet(tet).v;
+            let at = v.iter().position(|&v| v == new).unwrap_or(0);
+            let [a, b, c] = [v[at ^ 1], v[at ^ 2], v[at ^ 3]];
+            for (side, apex) in [(side(a, b), c), (side(b, c), a), (side(c, a), b)] {
+                let Ok(at) = found.binary_search_by_key(&side, |&(side, ..)| side) else { continue };
+                let (_, face, state) = &mut found[at];
+                if *state != State::Encroached {
+                    *state = State::of(!self.lazy && self.vertex_encroaches_facet(t, *face, apex));
+                }
+            }
+        }
         for &face in facets {
-            let around: Vec<u32> = star.iter().filter_map(|&tet| other(&face, tet)).flatten().collect();
-            if around.is_empty() {
-                self.missing_facets.push_back(face_key(face));
-            } else if !self.lazy && around.iter().any(|&v| self.vertex_encroaches_facet(t, face, v)) {
-                self.pending_facets.push_back((face_key(face), demand));
+            let at = found.binary_search_by_key(&across(face), |&(side, ..)| side);
+            match at.map_or(State::Missing, |at| found[at].2) {
+                State::Missing => self.missing_facets.push_back(face_key(face)),
+                State::Encroached => self.pending_facets.push_back((face_key(face), demand)),
+                State::Clear => {}
             }
         }
     }
@@ -581,6 +602,7 @@ impl Boundary {
             control.check()?;
             copy.segments.extend_from_slice(part);
         }
+        copy.facets = memory::with_room(self.facets.len(), WHAT)?;
         for facet in &self.facets {
             control.check()?;
             copy.facets.push(facet.try_clone(control)?);

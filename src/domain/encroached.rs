@@ -13,10 +13,14 @@ use super::subsegments::Subsegments;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
+use crate::sorting::sort;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{Control, DVec3, Error};
+
+/// Tetrahedra or faces of a cavity between two looks at the control.
+const BETWEEN_LOOKS: usize = 1 << 10;
 
 /// Boundary elements that a point encroaches upon.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,14 +103,25 @@ impl Boundary {
     }
 
     /// The subsegments and subfacets around a cavity that its point `p` encroaches upon, or that go with the cavity (the same but where
-    /// small input angles have left an element encroached). `found` is filled, in order of ids.
-    pub(crate) fn encroached_by(&self, t: &Triangulation, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
+    /// small input angles have left an element encroached). `found` is filled, in order of ids. [`Error::Cancelled`] when the control says stop: then it is
+    /// of no use.
+    pub(crate) fn encroached_by(
+        &self,
+        t: &Triangulation,
+        p: DVec3,
+        cavity: &Cavity,
+        found: &mut Encroached,
+        control: &Control,
+    ) -> Result<(), Error> {
         found.clear();
         // Whether it stays: one of the faces around the cavity has it.
         let mut segments = std::mem::take(&mut found.inner);
         segments.clear();
         let by_labels = self.shows_in_labels(t);
-        for &tet in &cavity.tets {
+        for (turn, &tet) in cavity.tets.iter().enumerate() {
+            if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
+                control.check()?;
+            }
             let Tetrahedron { v, n } = *t.topology.tet(tet);
             // Far from the boundary, most are.
             let on_boundary = |&&v: &&u32| v != GHOST && self.kind(v) != 0;
@@ -148,7 +163,10 @@ impl Boundary {
             }
         }
         if !segments.is_empty() {
-            for &face in &cavity.faces {
+            for (turn, &face) in cavity.faces.iter().enumerate() {
+                if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
+                    control.check()?;
+                }
                 let corners = cavity.face(&t.topology, face);
                 let partners = corners.map(|v| self.subsegments.partners(v));
                 for (i, j) in [(0, 1), (1, 2), (2, 0)] {
@@ -161,7 +179,10 @@ impl Boundary {
                 }
             }
         }
-        for (&key, &stays) in &segments {
+        for (turn, (&key, &stays)) in segments.iter().enumerate() {
+            if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
+                control.check()?;
+            }
             if encroaches_segment(key.map(|v| t.at(v)), p) {
                 found.segments.push(key);
                 if !stays {
@@ -173,12 +194,15 @@ impl Boundary {
         }
         found.inner = segments;
         // Not in the order of storage.
-        found.segments.sort_unstable();
-        found.facets.sort_unstable();
-        found.lost_segments.sort_unstable();
-        found.lost_facets.sort_unstable();
-        found.going_segments.sort_unstable();
-        found.going_facets.sort_unstable();
+        let watch = control.watch();
+        let Encroached { segments, facets, lost_segments, lost_facets, going_segments, going_facets, .. } = found;
+        for list in [segments, lost_segments, going_segments] {
+            sort(list, &watch)?;
+        }
+        for list in [facets, lost_facets, going_facets] {
+            sort(list, &watch)?;
+        }
+        Ok(())
     }
 
     /// Keeps one subsegment and one subfacet of those that `p` encroaches upon, whose centres are nearest to it. What else it encroaches upon often needs

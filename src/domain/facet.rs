@@ -103,27 +103,34 @@ impl FacetTriangulation {
         control: &Control,
     ) -> Result<FacetTriangulation, Error> {
         let axis = dominant_axis(normal);
+        let turns = control.turns();
         let corners = || triangles.iter().flatten().map(|&v| points[v as usize]);
         let mut filter = Filter::default();
-        corners().for_each(|p| filter.extend(p));
+        for p in corners() {
+            turns.check()?;
+            filter.extend(p);
+        }
         let (low, high) = filter.bounding_box();
         let mut above = corners().next().unwrap_or_default();
         above[axis] = high[axis] + 2.0 * (high - low).max_element().max(crate::geometry::MIN_LENGTH);
         filter.extend(above);
         let level = (0..3).find(|&axis| low[axis] == high[axis]);
         let plane_normal = level.map_or(normal.normalize_or_zero(), |axis| DVec3::AXES[axis]);
-        let mut unique: Vec<u32> = triangles.iter().flatten().copied().collect();
+        let mut unique = memory::room_in_pieces(3 * triangles.len(), "facet", control)?;
+        for &triangle in triangles {
+            turns.check()?;
+            unique.extend(triangle);
+        }
         sort_unique(&mut unique, &control.watch())?;
         let mut facet = FacetTriangulation {
             marker,
-            corners: unique,
+            corners: unique.keep(),
             axis,
             plane_normal,
             above,
             filter,
             apex: PartedMap::default(),
         };
-        let turns = control.turns();
         for &[a, b, c] in triangles {
             turns.check()?;
             let at = |v: u32| points[v as usize];

@@ -78,7 +78,7 @@ impl Boundary {
         let mut room_at = InPieces::new(PartedMap::default(), control);
         for &v in self.shortest_at.keys() {
             control.check()?;
-            if let Some(w) = t.nearest_neighbour(v) {
+            if let Some(w) = t.nearest_neighbour_within(v, control)? {
                 room_at.insert(v, t.at(v).distance(t.at(w)));
             }
         }

@@ -112,7 +112,11 @@ pub fn triangles_within(
     let planar = &mut planar.0;
     let order = if vertices.len() > FEW {
         let mut places = memory::room_in_pieces(vertices.len(), "facet", control)?;
-        places.extend(vertices.iter().map(|&v| place(v)));
+        let turns = control.turns();
+        for &v in vertices {
+            turns.check()?;
+            places.push(place(v));
+        }
         try_spatial_order(&places, control)?
     } else {
         (0..vertices.len() as u32).collect()

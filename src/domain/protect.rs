@@ -17,6 +17,7 @@ use super::planar::PLANARITY;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
+use crate::triangulation::incident::StarWalk;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
@@ -140,9 +141,23 @@ impl Boundary {
 impl Triangulation {
     /// The vertex nearest to a vertex: one that it has an edge to.
     pub(crate) fn nearest_neighbour(&self, vertex: u32) -> Option<u32> {
-        let star = self.topology.star(vertex);
-        let around = star.iter().flat_map(|&tet| self.topology.tet(tet).v).filter(|&v| v != GHOST && v != vertex);
-        let distance = |v: u32| self.at(v).distance_squared(self.at(vertex));
-        around.min_by(|&v, &w| distance(v).total_cmp(&distance(w)).then(v.cmp(&w)))
+        // Nobody cancels it.
+        self.nearest_neighbour_within(vertex, &Control::new()).unwrap_or_default()
+    }
+
+    /// [`nearest_neighbour`](Self::nearest_neighbour), unless the control says stop.
+    pub(crate) fn nearest_neighbour_within(&self, vertex: u32, control: &Control) -> Result<Option<u32>, Error> {
+        let (turns, mut walk) = (control.turns(), StarWalk::new(&self.topology, vertex));
+        let mut nearest = (f64::INFINITY, GHOST);
+        while let Some(tet) = walk.next(&self.topology) {
+            turns.check()?;
+            for v in self.topology.tet(tet).v.into_iter().filter(|&v| v != GHOST && v != vertex) {
+                let near = (self.at(v).distance_squared(self.at(vertex)), v);
+                if near < nearest {
+                    nearest = near;
+                }
+            }
+        }
+        Ok(Some(nearest.1).filter(|&v| v != GHOST))
     }
 }

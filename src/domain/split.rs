@@ -130,11 +130,16 @@ impl Boundary {
 
     /// [`covers_another`](Self::covers_another) for changes of several facets at once: nor may two of them make the same subfacet.
     pub(crate) fn folds(&self, changes: &[(u32, FacetChange)]) -> bool {
-        let makes = |change: &FacetChange, key: [u32; 3]| change.created.iter().any(|&face| face_key(face) == key);
-        changes.iter().enumerate().any(|(i, (facet, change))| {
-            let again = |&face: &[u32; 3]| changes[..i].iter().any(|(_, before)| makes(before, face_key(face)));
-            self.covers_another(*facet, change) || change.created.iter().any(again)
-        })
+        if changes.iter().any(|(facet, change)| self.covers_another(*facet, change)) {
+            return true;
+        }
+        if changes.len() < 2 {
+            return false;
+        }
+        let created = changes.iter().flat_map(|(_, change)| &change.created);
+        let mut keys: Vec<[u32; 3]> = created.map(|&face| face_key(face)).collect();
+        keys.sort_unstable();
+        keys.windows(2).any(|pair| pair[0] == pair[1])
     }
 
     /// Takes over what changed in a facet, once the vertex is in the triangulation.
@@ -225,11 +230,13 @@ impl Triangulation {
         if self.topology.region.is_empty() {
             return;
         }
+        let mut removed: Vec<[u32; 3]> = removed.iter().map(|&face| face_key(face)).collect();
+        removed.sort_unstable();
         for &t in star {
             let tet = *self.topology.tet(t);
             let Some(slot) = tet.slot(new) else { continue };
             let face = tet.face(slot);
-            if !face.contains(&GHOST) && removed.iter().any(|&r| face_key(r) == face_key(face)) {
+            if !face.contains(&GHOST) && removed.binary_search(&face_key(face)).is_ok() {
                 self.topology.region[t as usize] = self.topology.region[tet_of(tet.n[slot]) as usize];
             }
         }

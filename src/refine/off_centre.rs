@@ -56,8 +56,11 @@ impl Refiner<'_> {
             return None;
         }
         let room = self.rim_distance(p);
-        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+        let found = self.find_encroached(p);
         self.cavity.clear();
+        // After a cancellation no place will be found for the split either.
+        found.ok()?;
+        let room = room.ok()?;
         let waits = self.encroached.segments.iter().any(|&s| self.can_ask(s, demand));
         (!waits).then_some(room)
     }

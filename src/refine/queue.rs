@@ -186,6 +186,8 @@ impl Buckets {
 
 /// Places that are judged between two looks at the control.
 const PART: usize = 1 << 12;
+/// Entries of which a heap takes milliseconds to make.
+const MANY: usize = 1 << 15;
 
 /// How much earlier than it is looked at a place is fetched.
 const AHEAD: usize = 16;
@@ -237,7 +239,9 @@ impl Queue {
         control: &Control,
         mut judge: impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<Option<u32>, Error> {
+        let turns = control.turns();
         loop {
+            turns.check()?;
             if let Some(first) = self.waiting.first_filled() {
                 if self.heap.is_empty() || first < self.current {
                     self.turn_to(first, t, control, &mut judge)?;
@@ -279,20 +283,34 @@ impl Queue {
         }
         self.current = first;
         let waiting = self.waiting.take(first);
-        match self.judge_waiting(&waiting, t, control, judge) {
-            Ok(()) => self.count -= waiting.len(),
-            stopped => {
+        let judged = self.judge_waiting(&waiting, t, control, judge);
+        match judged.and_then(|()| self.entries_of(first, t, control)) {
+            Ok(entries) => {
+                self.count = self.count - waiting.len() + entries.len();
+                self.heap = entries.into();
+                Ok(())
+            }
+            Err(error) => {
                 self.waiting.put(first, waiting);
-                return stopped;
+                Err(error)
             }
         }
-        self.judged.retain(|&(_, shortest)| bucket(shortest.to_bits()) == first);
-        self.count += self.judged.len();
-        let entry = |&(tet, shortest): &(u32, f64)| {
-            Reverse(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet })
-        };
-        self.heap = self.judged.iter().map(entry).collect();
-        Ok(())
+    }
+
+    /// Entries for those judged that are in this bucket; very many in order, so that making a heap of them takes no time.
+    fn entries_of(&self, first: u32, t: &Triangulation, control: &Control) -> Result<Vec<Reverse<Entry>>, Error> {
+        let mut entries = memory::room_in_pieces(self.judged.len(), "queue", control)?;
+        let turns = control.turns();
+        for &(tet, shortest) in &self.judged {
+            turns.check()?;
+            if bucket(shortest.to_bits()) == first {
+                entries.push(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet });
+            }
+        }
+        if entries.len() > MANY {
+            sort(&mut entries, &control.watch())?;
+        }
+        Ok(entries.keep().into_iter().map(Reverse).collect())
     }
 
     /// Finds those in a list that are still to be mended.

@@ -437,8 +437,8 @@ impl<'a> Refiner<'a> {
         if self.is_refused(p, start)? {
             return Ok(Placed::Refused(Unrefined::Rounding));
         }
-        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
-        let clearance = self.rim_distance(p);
+        self.find_encroached(p)?;
+        let clearance = self.rim_distance(p)?;
         if !self.encroached.is_empty() {
             let stays =
                 |element: &Element| demand.is_none_or(|demand| element.asked(self.t, self.boundary, demand).is_none());
@@ -524,6 +524,11 @@ impl<'a> Refiner<'a> {
             Err(Unplaced::Cancelled) => Err(Error::Cancelled),
             refused => Ok(refused.is_err()),
         }
+    }
+
+    /// Finds what the point that the cavity was found for encroaches upon.
+    pub(super) fn find_encroached(&mut self, p: DVec3) -> Result<(), Error> {
+        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached, &self.control)
     }
 
     /// Prepares the insertion of the point that the cavity was found for: the last step that a control can cancel.

@@ -27,8 +27,16 @@ pub enum Split {
 }
 
 impl Refiner<'_> {
-    /// Rule 1: splits a subsegment near its middle.
+    /// Rule 1: splits a subsegment near its middle. After an error, that of a cancellation perhaps, it is blocked, and will be tried again by the next call.
     pub(super) fn split_segment(&mut self, edge: [u32; 2], demand: Demand) -> Result<Split, Error> {
+        let split = self.split_segment_in_middle(edge, demand);
+        if split.is_err() {
+            self.block_segment(edge, NEVER);
+        }
+        split
+    }
+
+    fn split_segment_in_middle(&mut self, edge: [u32; 2], demand: Demand) -> Result<Split, Error> {
         self.boundary.reserve()?;
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
@@ -59,24 +67,18 @@ impl Refiner<'_> {
                 self.record((existing, false), before, changes, labels);
                 Ok(Split::Done(existing))
             }
-            (_, Err(Unplaced::Cancelled)) => {
-                self.block_segment(edge, NEVER);
-                Err(Error::Cancelled)
-            }
+            (_, Err(Unplaced::Cancelled)) => Err(Error::Cancelled),
             (false, Ok(())) => {
-                self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
+                self.find_encroached(p)?;
                 let next = self.t.next_vertex();
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
-                if let Some(reach) = self.forbidden(p, &edge, demand) {
+                if let Some(reach) = self.forbidden(p, &edge, demand)? {
                     return Ok(self.block_segment(edge, reach));
                 }
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
-                if let Err(error) = self.plan() {
-                    self.block_segment(edge, NEVER);
-                    return Err(error);
-                }
+                self.plan()?;
                 self.boundary.apply(&changes, p);
                 let labels = self.labels_of_cavity();
                 let new = self.insert_prepared(p)?;
@@ -117,8 +119,16 @@ impl Refiner<'_> {
         self.split_facet_at(face, (flush_tiny(p), spot), demand)
     }
 
-    /// [`split_facet`](Self::split_facet) at `p`, which lies in the circle of `start_triangle` in its facet.
-    fn split_facet_at(
+    /// [`split_facet`](Self::split_facet) at `p`, which lies in the circle of `start_triangle` in its facet. After an error it is blocked, as a subsegment is.
+    fn split_facet_at(&mut self, face: [u32; 3], spot: (DVec3, [u32; 3]), demand: Demand) -> Result<Split, Error> {
+        let split = self.try_split_facet_at(face, spot, demand);
+        if split.is_err() {
+            self.block_facet(face, NEVER);
+        }
+        split
+    }
+
+    fn try_split_facet_at(
         &mut self,
         face: [u32; 3],
         (p, start_triangle): (DVec3, [u32; 3]),
@@ -133,18 +143,11 @@ impl Refiner<'_> {
         let found = self.t.face_tetrahedron(face);
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
-        if too_near || self.boundary.keeps(found.is_some()) {
+        if too_near || self.boundary.keeps(found.is_some()) || self.is_refused(p, start)? {
             return Ok(self.block_facet(face, NEVER));
         }
-        match self.is_refused(p, start) {
-            Ok(false) => {}
-            other => {
-                let blocked = self.block_facet(face, NEVER);
-                return other.map(|_| blocked);
-            }
-        }
-        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached);
-        if self.rim_distance(p) < self.min_edge {
+        self.find_encroached(p)?;
+        if self.rim_distance(p)? < self.min_edge {
             return Ok(self.block_facet(face, NEVER));
         }
         let segments: Vec<[u32; 2]> =
@@ -158,16 +161,13 @@ impl Refiner<'_> {
             return Ok(self.block_facet(face, NEVER));
         };
         let changes = [change];
-        if let Some(reach) = self.forbidden(p, &face, demand) {
+        if let Some(reach) = self.forbidden(p, &face, demand)? {
             return Ok(self.block_facet(face, reach));
         }
         if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
             return Ok(self.block_facet(face, NEVER));
         }
-        if let Err(error) = self.plan() {
-            self.block_facet(face, NEVER);
-            return Err(error);
-        }
+        self.plan()?;
         self.boundary.apply(&changes, p);
         let labels = self.labels_of_cavity();
         let inserted = self.insert_prepared(p)?;
@@ -217,15 +217,15 @@ impl Refiner<'_> {
 
     /// Whether a split of an element at the cavity's point `p` misses the demand. Then what a demand must come to for it: the shortest edge that it makes, or
     /// [`NEVER`].
-    fn forbidden(&self, p: DVec3, corners: &[u32], demand: Demand) -> Option<f64> {
+    fn forbidden(&self, p: DVec3, corners: &[u32], demand: Demand) -> Result<Option<f64>, Error> {
         if self.boundary.recovering {
-            return None;
+            return Ok(None);
         }
-        let reach = self.rim_distance(p);
+        let reach = self.rim_distance(p)?;
         if reach < self.boundary.needle_floor(self.t, self.boundary.carrier_of(corners), p) {
-            return Some(NEVER);
+            return Ok(Some(NEVER));
         }
-        (reach < self.boundary.demanded(demand, corners)).then_some(reach)
+        Ok((reach < self.boundary.demanded(demand, corners)).then_some(reach))
     }
 
     /// Whether the split in hand, which changes facets so, takes out another element whose own split is known to miss the demand. It would have to be
@@ -235,9 +235,10 @@ impl Refiner<'_> {
             return false;
         }
         let after = demand.following();
-        let replaced = |face: [u32; 3]| {
-            changes.iter().any(|(_, change)| change.removed.iter().any(|&removed| face_key(removed) == face))
-        };
+        let mut removed: Vec<[u32; 3]> =
+            changes.iter().flat_map(|(_, change)| &change.removed).map(|&face| face_key(face)).collect();
+        removed.sort_unstable();
+        let replaced = |face: [u32; 3]| removed.binary_search(&face).is_ok();
         self.encroached
             .taken_segments()
             .any(|edge| *corners != edge_key(edge) && !self.boundary.waits_segment(edge, after))
@@ -257,7 +258,12 @@ impl Refiner<'_> {
     }
 
     /// The distance from the cavity's point to the nearest vertex.
-    pub(super) fn rim_distance(&self, p: DVec3) -> f64 {
-        self.cavity.rim(&self.t.topology).map(|v| self.t.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
+    pub(super) fn rim_distance(&self, p: DVec3) -> Result<f64, Error> {
+        let (turns, mut least) = (self.control.turns(), f64::INFINITY);
+        for v in self.cavity.rim(&self.t.topology) {
+            turns.check()?;
+            least = least.min(self.t.at(v).distance_squared(p));
+        }
+        Ok(least.sqrt())
     }
 }

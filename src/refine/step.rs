@@ -174,7 +174,9 @@ impl Mesh {
         for &p in samples {
             let p = flush_tiny(p);
             if self.t.prepare(p, start, &mut cavity, &Control::new()).is_ok() {
-                boundary.encroached_by(&self.t, p, &cavity, &mut found);
+                let control = Control::new();
+                let searched = boundary.encroached_by(&self.t, p, &cavity, &mut found, &control);
+                debug_assert!(searched.is_ok(), "nobody cancels it");
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);
                 all.segments.append(&mut found.lost_segments);

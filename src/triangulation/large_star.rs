@@ -119,7 +119,8 @@ impl LargeStar {
             let Tetrahedron { mut v, n } = *planned;
             v[slot] = new;
             let outside = n[slot];
-            let mut n = n.map(|face| 4 * created[(tet_of(face) as usize).min(created.len() - 1)] + slot_of(face) as u32);
+            let mut n =
+                n.map(|face| 4 * created[(tet_of(face) as usize).min(created.len() - 1)] + slot_of(face) as u32);
             n[slot] = outside;
             // SAFETY: a place of the star, and a neighbour of the cavity.
             unsafe {

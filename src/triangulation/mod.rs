@@ -29,7 +29,7 @@
 
 mod bulk;
 pub mod cavity;
-mod incident;
+pub(crate) mod incident;
 mod insert;
 mod journal;
 mod labels;

@@ -501,7 +501,14 @@ mod tests {
                 let found = walk::<Portable, _>(Site::of(&t), &filter, p, t.recent(), Everywhere);
                 assert_eq!(found, (start, true));
                 portable.begin(t.topology.tets.len(), t.topology.tets.capacity());
-                assert!(search::<Portable, _>(Site::of(&t), &filter, p, start, &mut portable, (Everywhere, &Control::new())));
+                assert!(search::<Portable, _>(
+                    Site::of(&t),
+                    &filter,
+                    p,
+                    start,
+                    &mut portable,
+                    (Everywhere, &Control::new())
+                ));
             }
             t.find_cavity(&filter, p, start, &mut fast, &Control::new()).unwrap();
             assert_eq!((&fast.tets, &fast.faces), (&portable.tets, &portable.faces));

@@ -8,7 +8,7 @@ use crate::geometry::Sign;
 use crate::Control;
 
 /// Tetrahedra between two looks at the control.
-const BLOCK: usize = 1 << 10;
+const BLOCK: usize = 1 << 9;
 
 /// A broken invariant. Meeting one means an error in this library, not in its input.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -70,11 +70,12 @@ fn points_on_sides(
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
-    let mut found = Vec::new();
+    let (mut found, turns) = (Vec::new(), control.turns());
     for v in usable_points(a) {
         control.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
         for side in boxes.at_point(p, reach) {
+            turns.check()?;
             let ends = a.sides[side as usize].ends;
             let [q, r] = ends.map(|v| a.points[v as usize]);
             // Within the bounding box and on the line is between the ends.
@@ -90,7 +91,6 @@ fn points_on_sides(
         a.sides[side as usize].between.push(v);
     }
     let points = &a.points;
-    let turns = control.turns();
     for side in &mut a.sides {
         turns.check()?;
         let start = points[side.ends[0] as usize];
@@ -145,12 +145,13 @@ fn points_in_facets(
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
-    let mut found = Vec::new();
+    let (mut found, turns) = (Vec::new(), control.turns());
     let mut planes: PartedMap<u32, Option<Plane>> = PartedMap::default();
     for v in usable_points(a) {
         control.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
         for i in boxes.at_point(p, reach) {
+            turns.check()?;
             let (triangle, facet) = a.triangles[i as usize];
             let corners = &a.corners[facet as usize];
             if corners.binary_search(&v).is_ok() {
@@ -169,7 +170,6 @@ fn points_in_facets(
             }
         }
     }
-    let turns = control.turns();
     let mut on_sides = InPieces::new(PartedMap::default(), control);
     for side in &a.sides {
         turns.check()?;

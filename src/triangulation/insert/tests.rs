@@ -157,12 +157,15 @@ fn an_insertion_with_a_large_cavity_can_be_cancelled_at_every_look() {
     t.insert_many(&points, &Control::new()).unwrap().unwrap();
     let before = sorted_tets(&t);
     let (control, mut inserted) = (Control::new(), t.clone());
-    let looks = control.looks(None, || assert_eq!(inserted.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000]))));
+    let looks =
+        control.looks(None, || assert_eq!(inserted.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000]))));
     assert!(looks > 15, "{looks}");
     // Lists grow in the first of two tries only.
     for last in 1..=looks {
         let mut t = t.clone();
-        let made = control.looks(Some(last), || assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(None), "look {last} of {looks}"));
+        let made = control.looks(Some(last), || {
+            assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(None), "look {last} of {looks}")
+        });
         assert_eq!(made, last);
         assert_eq!((t.vertex_count(), sorted_tets(&t)), (3000, before.clone()));
         t.validate(2).unwrap();
