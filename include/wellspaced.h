@@ -436,7 +436,8 @@
 #define WSP_VALIDATE_ORIENTATION 2
 
 /**
- * And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it.
+ * And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it, facets consist of
+ * theirs, and regions meet at them only.
  */
 #define WSP_VALIDATE_DELAUNAY 3
 

@@ -125,7 +125,7 @@ impl Mesh {
     /// The error for a subsegment or subfacet that recovery had to leave missing.
     fn unrecovered(&self, control: &Control) -> Result<Option<Error>, Error> {
         let Some(boundary) = self.boundary() else { return Ok(None) };
-        let Some(defect) = boundary.first_missing_within(&self.t, control)? else { return Ok(None) };
+        let Some(defect) = boundary.first_missing(&self.t, control)? else { return Ok(None) };
         let element = match defect {
             Defect::MissingSubfacet { face } => boundary.facet_of(face).map(crate::DomainElement::Facet),
             _ => None,
@@ -575,7 +575,7 @@ impl Mesh {
     }
 
     /// Checks the invariants up to a level: 1 topology, 2 orientation, 3 the Delaunay property and that all subsegments and subfacets
-    /// are edges and faces. Exact, linear time.
+    /// are edges and faces, facets consist of theirs, and regions meet at them only. Exact, linear time.
     pub fn validate(&self, level: u32) -> Result<(), Defect> {
         self.validate_within(level, &Control::new()).map(|_| ())
     }
@@ -587,12 +587,7 @@ impl Mesh {
         }
         match &self.domain {
             Some(domain) if level >= 3 && self.t.dimension() == 3 => {
-                let missing = domain.boundary.first_missing_within(&self.t, control);
-                let defect = missing.and_then(|defect| match defect {
-                    None => domain.boundary.first_leak(&self.t, control),
-                    missing => Ok(missing),
-                });
-                match defect {
+                match domain.boundary.first_defect(&self.t, control) {
                     Ok(None) => Ok(true),
                     Ok(Some(defect)) => Err(defect),
                     Err(_) => Ok(false),

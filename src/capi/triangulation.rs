@@ -446,7 +446,8 @@ pub unsafe extern "C" fn wsp_triangulation_point(
 pub const WSP_VALIDATE_TOPOLOGY: u32 = 1;
 /// And every tetrahedron is positively oriented.
 pub const WSP_VALIDATE_ORIENTATION: u32 = 2;
-/// And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it.
+/// And the triangulation is Delaunay, by exact arithmetic, and all subsegments and subfacets are in it, facets consist of
+/// theirs, and regions meet at them only.
 pub const WSP_VALIDATE_DELAUNAY: u32 = 3;
 /// And no tetrahedron of the domain exceeds the bound on the radius-edge ratio, by exact arithmetic.
 pub const WSP_VALIDATE_QUALITY: u32 = 4;

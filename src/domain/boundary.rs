@@ -12,7 +12,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::leavings::{give_elements_back, InPieces, Leavings};
 use crate::parted::PartedMap;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
-use crate::triangulation::{Defect, Triangulation};
+use crate::triangulation::Triangulation;
 use crate::{memory, Control, Error};
 
 /// An edge's key: lower vertex first.
@@ -566,28 +566,6 @@ impl Boundary {
             + self.pending_facets.capacity() * size_of::<([u32; 3], Demand)>()
             + self.carriers.capacity() * size_of::<Carrier>()
             + self.kinds.capacity()
-    }
-
-    /// The first missing element: every subsegment is an edge and every subfacet a face of the triangulation when there is none.
-    pub fn first_missing(&self, t: &Triangulation) -> Option<Defect> {
-        self.first_missing_within(t, &Control::new()).unwrap_or_default()
-    }
-
-    /// [`first_missing`](Self::first_missing), unless the control says stop.
-    pub(crate) fn first_missing_within(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
-        for &[a, b] in &*self.subsegments.sorted_keys(control)? {
-            control.check()?;
-            if t.topology.find_edge(a, b).is_none() {
-                return Ok(Some(Defect::MissingSubsegment { edge: [a, b] }));
-            }
-        }
-        for &face in &*self.subfacets.sorted_keys(control)? {
-            control.check()?;
-            if t.topology.find_face(face).is_none() {
-                return Ok(Some(Defect::MissingSubfacet { face }));
-            }
-        }
-        Ok(None)
     }
 
     /// A copy, unless memory is lacking or the control says stop.

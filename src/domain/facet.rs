@@ -161,6 +161,12 @@ impl FacetTriangulation {
         }
     }
 
+    /// All triangles, in order of storage.
+    pub(crate) fn each_triangle(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let all = self.apex.iter().map(|(&[a, b], &c)| [a, b, c]);
+        all.filter(|&triangle| rotate_lowest(triangle) == triangle)
+    }
+
     /// All triangles, in order of their vertices.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         // Nobody cancels it.
@@ -171,11 +177,9 @@ impl FacetTriangulation {
     pub(crate) fn triangles_within(&self, control: &Control) -> Result<Vec<[u32; 3]>, Error> {
         let mut all = InPieces::new(Vec::new(), control);
         let turns = control.turns();
-        for (&[a, b], &c) in self.apex.iter() {
+        for triangle in self.each_triangle() {
             turns.check()?;
-            if rotate_lowest([a, b, c]) == [a, b, c] {
-                all.push([a, b, c]);
-            }
+            all.push(triangle);
         }
         sort(&mut all, &control.watch())?;
         Ok(all.keep())

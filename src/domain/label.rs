@@ -4,7 +4,7 @@ use super::boundary::Boundary;
 use super::plc::PlcRegion;
 use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of};
-use crate::triangulation::{Defect, Location, Triangulation};
+use crate::triangulation::{Location, Triangulation};
 use crate::{memory, Control, DVec3, Error};
 
 /// The label of tetrahedra outside the domain, ghosts included.
@@ -89,18 +89,6 @@ impl Boundary {
             (0..4).any(|slot| !t.topology.labels_differ(tet, slot) && self.is_subfacet(face(slot)))
         };
         self.parts_labels = self.parts_labels && !tets.iter().any(hidden);
-    }
-
-    /// The first face that parts two labels and is no subfacet, unless the control says stop.
-    pub(crate) fn first_leak(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
-        let turns = control.turns();
-        let leak = t.topology.live().find_map(|tet| {
-            let face = |slot: usize| t.topology.tet(tet).face(slot);
-            let leaks =
-                |&slot: &usize| !turns.go_on() || t.topology.labels_differ(tet, slot) && !self.is_subfacet(face(slot));
-            (0..4).find(leaks).map(|slot| Defect::LabelLeak { face: face(slot) })
-        });
-        turns.end().map(|()| leak)
     }
 }
 

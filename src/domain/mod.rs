@@ -42,6 +42,7 @@ mod subsegments;
 #[cfg(test)]
 mod tests;
 mod unsplit;
+mod validate;
 
 pub use acute::Carrier;
 pub use boundary::Boundary;

@@ -29,6 +29,8 @@ pub enum Defect {
     MissingSubsegment { edge: [u32; 2] },
     /// A subfacet of the domain is no face of the triangulation.
     MissingSubfacet { face: [u32; 3] },
+    /// A triangle of a facet is none of the domain's subfacets, or of another facet; or a subfacet is no triangle of its facet.
+    FacetMismatch { face: [u32; 3] },
     /// The tetrahedra on the two sides of a face belong to different regions, and it is no subfacet.
     LabelLeak { face: [u32; 3] },
     /// A tetrahedron of the domain is over the radius-edge bound.
@@ -49,6 +51,7 @@ impl fmt::Display for Defect {
             }
             Defect::MissingSubsegment { edge } => write!(f, "subsegment {edge:?} is no edge"),
             Defect::MissingSubfacet { face } => write!(f, "subfacet {face:?} is no face"),
+            Defect::FacetMismatch { face } => write!(f, "facets and subfacets disagree about {face:?}"),
             Defect::LabelLeak { face } => write!(f, "face {face:?} parts two regions but is no subfacet"),
             Defect::BadTetrahedron { tetrahedron } => {
                 write!(f, "tetrahedron {tetrahedron:?} is over the radius-edge bound")
