@@ -6,7 +6,7 @@
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use crate::leavings::Leavings;
 
@@ -78,6 +78,13 @@ impl Control {
     /// A control without a callback.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The one of calls that nobody cancels.
+    #[inline]
+    pub(crate) fn never() -> &'static Control {
+        static NEVER: LazyLock<Control> = LazyLock::new(Control::new);
+        &NEVER
     }
 
     /// A control that reports progress to `callback`, which returns `false` to cancel.

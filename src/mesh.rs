@@ -137,7 +137,7 @@ impl Mesh {
     /// Makes the convex hull of the present points the domain: its coplanar facets are kept as facets, its other edges as segments.
     /// Below dimension 3 there is no hull, and nothing to refine.
     pub fn use_hull_as_domain(&mut self) -> Result<(), Error> {
-        self.use_hull_as_domain_within(&Control::new())
+        self.use_hull_as_domain_within(Control::never())
     }
 
     /// [`use_hull_as_domain`](Self::use_hull_as_domain) that a control can cancel: [`Error::Cancelled`], and nothing has changed.
@@ -252,7 +252,7 @@ impl Mesh {
     ///
     /// A mesh with a domain gives no vertex away: [`Error::Domain`]. Cost: see [`Triangulation::remove`].
     pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
-        self.remove_within(vertex, &Control::new())
+        self.remove_within(vertex, Control::never())
     }
 
     /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed. See
@@ -468,7 +468,7 @@ impl Mesh {
 
     /// The mesh's sizes and quality now.
     pub fn report(&self, bound: f64, status: RefineStatus) -> RefineReport {
-        let report = self.report_within(bound, status, &Reasons::default(), &Control::new());
+        let report = self.report_within(bound, status, &Reasons::default(), Control::never());
         report.unwrap_or_else(|_| self.unmeasured(status))
     }
 
@@ -577,7 +577,7 @@ impl Mesh {
     /// Checks the invariants up to a level: 1 topology, 2 orientation, 3 the Delaunay property and that all subsegments and subfacets
     /// are edges and faces, facets consist of theirs, and regions meet at them only. Exact, linear time.
     pub fn validate(&self, level: u32) -> Result<(), Defect> {
-        self.validate_within(level, &Control::new()).map(|_| ())
+        self.validate_within(level, Control::never()).map(|_| ())
     }
 
     /// [`validate`](Self::validate) that a control can follow and cancel: `Ok(false)` then.
@@ -599,7 +599,7 @@ impl Mesh {
 
     /// Checks that every tetrahedron of the domain keeps the radius-edge bound. Exact.
     pub fn validate_quality(&self, bound: f64) -> Result<(), Defect> {
-        self.validate_quality_within(bound, &Control::new()).map(|_| ())
+        self.validate_quality_within(bound, Control::never()).map(|_| ())
     }
 
     /// [`validate_quality`](Self::validate_quality) that a control can cancel: `Ok(false)` then.
@@ -615,7 +615,7 @@ impl Mesh {
 
     /// The mesh as arrays. They are made at the first call after a change, in linear time.
     pub fn view(&self) -> MeshView<'_> {
-        match self.try_view(&Control::new()) {
+        match self.try_view(Control::never()) {
             Ok(view) => view,
             // As other lists of Rust do that find no memory.
             Err(_) => std::alloc::handle_alloc_error(std::alloc::Layout::new::<View>()),

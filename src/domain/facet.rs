@@ -170,7 +170,7 @@ impl FacetTriangulation {
     /// All triangles, in order of their vertices.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         // Nobody cancels it.
-        self.triangles_within(&Control::new()).unwrap_or_default()
+        self.triangles_within(Control::never()).unwrap_or_default()
     }
 
     /// [`triangles`](Self::triangles), unless the control says stop.

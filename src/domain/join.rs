@@ -21,7 +21,7 @@ impl Plc {
     /// own. Cost: n log n in the number of sides.
     pub fn join_coplanar(&mut self, degrees: f64) -> Vec<u32> {
         // Nobody cancels it.
-        self.join_coplanar_within(degrees, &Control::new()).unwrap_or_default()
+        self.join_coplanar_within(degrees, Control::never()).unwrap_or_default()
     }
 
     /// [`join_coplanar`](Self::join_coplanar); [`Error::Cancelled`] when the control says stop. Nothing has changed then.

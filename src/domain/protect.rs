@@ -141,8 +141,7 @@ impl Boundary {
 impl Triangulation {
     /// The vertex nearest to a vertex: one that it has an edge to.
     pub(crate) fn nearest_neighbour(&self, vertex: u32) -> Option<u32> {
-        // Nobody cancels it.
-        self.nearest_neighbour_within(vertex, &Control::new()).unwrap_or_default()
+        self.nearest_neighbour_within(vertex, Control::never()).unwrap_or_default()
     }
 
     /// [`nearest_neighbour`](Self::nearest_neighbour), unless the control says stop.

@@ -71,7 +71,7 @@ impl Mesh {
     /// All bad short edges of the domain, shortest first (among equals by vertex ids), lower vertex first. Exact and linear in the size
     /// of the mesh. No tetrahedron is bad when there is none.
     pub fn bad_short_edges(&self, radius_edge: f64) -> Result<Vec<[u32; 2]>, Error> {
-        self.bad_short_edges_within(radius_edge, &Control::new())
+        self.bad_short_edges_within(radius_edge, Control::never())
     }
 
     /// [`bad_short_edges`](Self::bad_short_edges) that a control can cancel: [`Error::Cancelled`].
@@ -173,9 +173,8 @@ impl Mesh {
         let (mut cavity, mut found, mut all) = (Cavity::default(), Encroached::default(), Encroached::default());
         for &p in samples {
             let p = flush_tiny(p);
-            if self.t.prepare(p, start, &mut cavity, &Control::new()).is_ok() {
-                let control = Control::new();
-                let searched = boundary.encroached_by(&self.t, p, &cavity, &mut found, &control);
+            if self.t.prepare(p, start, &mut cavity, Control::never()).is_ok() {
+                let searched = boundary.encroached_by(&self.t, p, &cavity, &mut found, Control::never());
                 debug_assert!(searched.is_ok(), "nobody cancels it");
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);

@@ -52,7 +52,7 @@ impl Triangulation {
     ///
     /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
     pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
-        self.insert_as((self.next_vertex(), point), hint, None, &Control::new())
+        self.insert_as((self.next_vertex(), point), hint, None, Control::never())
     }
 
     pub(super) fn insert_as(
@@ -279,7 +279,7 @@ impl Triangulation {
     /// Inserts a vertex whose point is stored, in dimension 3.
     #[inline]
     pub(super) fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
-        self.insert_noted(vertex, start, None, &Control::new())
+        self.insert_noted(vertex, start, None, Control::never())
     }
 
     /// [`insert_stored`](Self::insert_stored), with a note in the journal, unless it is cancelled.
@@ -327,7 +327,7 @@ impl Triangulation {
             cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
         }
-        let planned = self.plan(cavity, &Control::new());
+        let planned = self.plan(cavity, Control::never());
         if let Err(error) = planned.and_then(|()| self.reserve_for(cavity)) {
             cavity.clear();
             return Err(error);

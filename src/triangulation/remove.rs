@@ -179,7 +179,7 @@ impl Triangulation {
     ///
     /// Cost: that of a triangulation of the neighbours by themselves; linear in all vertices when the rest lies in a plane, or did before.
     pub fn remove(&mut self, vertex: u32) -> Result<(), Error> {
-        self.remove_within(vertex, &Control::new())
+        self.remove_within(vertex, Control::never())
     }
 
     /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed. It is not looked at any more once what fills
@@ -323,7 +323,7 @@ impl Triangulation {
             None => {}
         }
         let mut cavity = std::mem::take(&mut hole.cavity);
-        self.find_cavity(&filter, p, t, &mut cavity, &Control::new())?;
+        self.find_cavity(&filter, p, t, &mut cavity, Control::never())?;
         for &t in &cavity.tets {
             if !hole.contains(t) {
                 hole.take(t, self.topology.tet(t).v);
@@ -511,7 +511,7 @@ impl Triangulation {
     /// # Panics
     /// When the triangulation has changed since the preview, before anything else is changed.
     pub fn replace(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
-        self.replace_within(hole, &Control::new())
+        self.replace_within(hole, Control::never())
     }
 
     /// [`replace`](Self::replace) that the control can cancel before it begins with changes.

@@ -136,7 +136,7 @@ impl Triangulation {
     ///
     /// Cost: linear.
     pub fn compact(&mut self) -> Vec<u32> {
-        match self.compacted(0, &Control::new()) {
+        match self.compacted(0, Control::never()) {
             Ok((compact, new_id)) => {
                 *self = compact;
                 new_id
