@@ -19,6 +19,7 @@
 //! | [`pending`] | what is demanded of a split |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
+//! | `validate` | the invariants, checked |
 //!
 //! Segments and facets are recovered and kept by rules 1 to 3 of the paper (Ruppert's and Shewchuk's): a subsegment
 //! or subfacet that is missing from the triangulation, or encroached, is split.

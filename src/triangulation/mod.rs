@@ -9,6 +9,7 @@
 //! | `incident` | the tetrahedra at a vertex |
 //! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
+//! | `large_star` | a large one, in parts |
 //! | `journal` | insertions taken back |
 //! | `locate` | where a point lies |
 //! | `insert` | one point, or a few |
