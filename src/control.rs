@@ -46,7 +46,7 @@ pub type LogCallback = dyn Fn(LogLevel, &str) + Send + Sync;
 /// it is [reset](Self::reset) or dropped.
 ///
 /// What a call does in one step it ends first. A step takes longer than that where one vertex has a star of a million tetrahedra, as the centre of as many
-/// points on a sphere has: some 50 ms to put such a vertex in, half a second to split the boundary beside it. With a facet of half a million points steps
+/// points on a sphere has: some 50 ms to put such a vertex in, about a second to split the boundary beside it. With a facet of half a million points steps
 /// take up to 20 ms.
 #[derive(Clone, Default)]
 pub struct Control {
