@@ -30,6 +30,8 @@ pub mod mesh;
 mod parted;
 pub mod refine;
 pub mod sampler;
+#[cfg(test)]
+mod samples;
 mod sorting;
 pub mod sparsify;
 pub mod triangulation;

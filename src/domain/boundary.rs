@@ -26,6 +26,13 @@ pub fn face_key(mut face: [u32; 3]) -> [u32; 3] {
     face
 }
 
+/// The keys of some faces, in order.
+pub(crate) fn face_keys<'a>(faces: impl IntoIterator<Item = &'a [u32; 3]>) -> Vec<[u32; 3]> {
+    let mut keys: Vec<[u32; 3]> = faces.into_iter().map(|&face| face_key(face)).collect();
+    keys.sort_unstable();
+    keys
+}
+
 /// A vertex lies on a segment.
 pub(super) const ON_SEGMENT: u8 = 1;
 /// A vertex lies on a facet.
@@ -496,19 +503,15 @@ impl Boundary {
     ) {
         // What encroaches upon an element at `new`, or that it is missing, shows in the star. A segment has two parts at most, but a facet's split may bring
         // as many triangles as there are vertices.
-        let other = |vertices: &[u32], tet: u32| {
-            let v = t.topology.tet(tet).v;
-            vertices
-                .iter()
-                .all(|x| v.contains(x))
-                .then(|| v.into_iter().filter(|v| !vertices.contains(v)).collect::<Vec<_>>())
-        };
         for &edge in segments {
             debug_assert!(edge.contains(&new));
-            let around: Vec<u32> = star.iter().filter_map(|&tet| other(&edge, tet)).flatten().collect();
-            if around.is_empty() {
+            let all = star.iter().map(|&tet| t.topology.tet(tet).v);
+            let mut around = all.filter(|v| edge.iter().all(|end| v.contains(end))).peekable();
+            if around.peek().is_none() {
                 self.missing_segments.push_back(edge_key(edge));
-            } else if !self.lazy && around.iter().any(|&v| self.vertex_encroaches_segment(t, edge, v)) {
+            } else if !self.lazy
+                && around.flatten().any(|v| !edge.contains(&v) && self.vertex_encroaches_segment(t, edge, v))
+            {
                 self.pending_segments.push_back((edge_key(edge), demand));
             }
         }

@@ -19,9 +19,6 @@ use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
 
-/// Tetrahedra or faces of a cavity between two looks at the control.
-const BETWEEN_LOOKS: usize = 1 << 10;
-
 /// Boundary elements that a point encroaches upon.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Encroached {
@@ -117,11 +114,9 @@ impl Boundary {
         // Whether it stays: one of the faces around the cavity has it.
         let mut segments = std::mem::take(&mut found.inner);
         segments.clear();
-        let by_labels = self.shows_in_labels(t);
-        for (turn, &tet) in cavity.tets.iter().enumerate() {
-            if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
-                control.check()?;
-            }
+        let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
+        for &tet in &cavity.tets {
+            turns.check()?;
             let Tetrahedron { v, n } = *t.topology.tet(tet);
             // Far from the boundary, most are.
             let on_boundary = |&&v: &&u32| v != GHOST && self.kind(v) != 0;
@@ -163,10 +158,8 @@ impl Boundary {
             }
         }
         if !segments.is_empty() {
-            for (turn, &face) in cavity.faces.iter().enumerate() {
-                if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
-                    control.check()?;
-                }
+            for &face in &cavity.faces {
+                turns.check()?;
                 let corners = cavity.face(&t.topology, face);
                 let partners = corners.map(|v| self.subsegments.partners(v));
                 for (i, j) in [(0, 1), (1, 2), (2, 0)] {
@@ -179,10 +172,8 @@ impl Boundary {
                 }
             }
         }
-        for (turn, (&key, &stays)) in segments.iter().enumerate() {
-            if turn % BETWEEN_LOOKS == BETWEEN_LOOKS - 1 {
-                control.check()?;
-            }
+        for (&key, &stays) in &segments {
+            turns.check()?;
             if encroaches_segment(key.map(|v| t.at(v)), p) {
                 found.segments.push(key);
                 if !stays {

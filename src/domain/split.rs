@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::acute::Carrier;
-use super::boundary::{edge_key, face_key, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
+use super::boundary::{edge_key, face_key, face_keys, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
 use super::facet::{FacetChange, InSpace};
 use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
@@ -136,9 +136,7 @@ impl Boundary {
         if changes.len() < 2 {
             return false;
         }
-        let created = changes.iter().flat_map(|(_, change)| &change.created);
-        let mut keys: Vec<[u32; 3]> = created.map(|&face| face_key(face)).collect();
-        keys.sort_unstable();
+        let keys = face_keys(changes.iter().flat_map(|(_, change)| &change.created));
         keys.windows(2).any(|pair| pair[0] == pair[1])
     }
 
@@ -230,8 +228,7 @@ impl Triangulation {
         if self.topology.region.is_empty() {
             return;
         }
-        let mut removed: Vec<[u32; 3]> = removed.iter().map(|&face| face_key(face)).collect();
-        removed.sort_unstable();
+        let removed = face_keys(removed);
         for &t in star {
             let tet = *self.topology.tet(t);
             let Some(slot) = tet.slot(new) else { continue };

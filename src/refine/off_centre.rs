@@ -16,15 +16,21 @@ use glam::DVec3;
 use super::refiner::Refiner;
 use crate::domain::pending::Demand;
 use crate::geometry::{check_range, flush_tiny};
+use crate::Error;
 
 /// How far from the circumcentre to the foot the points are that are tried.
 const SHARES: [f64; 2] = [0.5, 1.0];
 
 impl Refiner<'_> {
     /// A better point than the circumcentre `center` to split a subfacet at, if the sample that has just asked for the split leads to one.
-    pub(super) fn facet_off_centre(&mut self, face: [u32; 3], center: DVec3, demand: Demand) -> Option<DVec3> {
-        let (sample, clearance) = self.given_way.take()?;
-        let start = self.t.face_tetrahedron(face)?;
+    pub(super) fn facet_off_centre(
+        &mut self,
+        face: [u32; 3],
+        center: DVec3,
+        demand: Demand,
+    ) -> Result<Option<DVec3>, Error> {
+        let Some((sample, clearance)) = self.given_way.take() else { return Ok(None) };
+        let Some(start) = self.t.face_tetrahedron(face) else { return Ok(None) };
         let [a, b, c] = self.boundary.in_plane(self.t, face);
         // Made of the sides, so that on a plane of constant x, y or z it lies exactly.
         let (u, v, w) = (b - a, c - a, sample - a);
@@ -32,36 +38,37 @@ impl Refiner<'_> {
         let along = |n: DVec3| n.dot(normal) / normal.length_squared();
         let foot = a + u * along(w.cross(v)) + v * along(u.cross(w));
         let mut widest =
-            self.room_on_facet(flush_tiny(center), (face, start), demand).unwrap_or(FRAC_1_SQRT_2 * clearance);
+            self.room_on_facet(flush_tiny(center), (face, start), demand)?.unwrap_or(FRAC_1_SQRT_2 * clearance);
         let mut best = None;
         for share in SHARES {
             let p = flush_tiny(center + (foot - center) * share);
             if p.distance_squared(center) >= a.distance_squared(center) {
                 continue;
             }
-            if let Some(room) = self.room_on_facet(p, (face, start), demand).filter(|&room| room > widest) {
+            if let Some(room) = self.room_on_facet(p, (face, start), demand)?.filter(|&room| room > widest) {
                 (widest, best) = (room, Some(p));
             }
         }
-        best
+        Ok(best)
     }
 
     /// How far the nearest vertex of a point in the facet of `face` is; `None` where it can't be inserted, or subsegments would have to be split before.
-    fn room_on_facet(&mut self, p: DVec3, (face, start): ([u32; 3], u32), demand: Demand) -> Option<f64> {
+    fn room_on_facet(
+        &mut self,
+        p: DVec3,
+        (face, start): ([u32; 3], u32),
+        demand: Demand,
+    ) -> Result<Option<f64>, Error> {
         if check_range(0, p).is_err() || self.boundary.hides(self.t, face, p).is_some() {
-            return None;
+            return Ok(None);
         }
-        if self.t.prepare(p, start, &mut self.cavity, &self.control).is_err() {
-            self.cavity.clear();
-            return None;
+        if self.is_refused(p, start)? {
+            return Ok(None);
         }
-        let room = self.rim_distance(p);
-        let found = self.find_encroached(p);
+        let room = self.rim_distance(p)?;
+        self.find_encroached(p)?;
         self.cavity.clear();
-        // After a cancellation no place will be found for the split either.
-        found.ok()?;
-        let room = room.ok()?;
         let waits = self.encroached.segments.iter().any(|&s| self.can_ask(s, demand));
-        (!waits).then_some(room)
+        Ok((!waits).then_some(room))
     }
 }

@@ -119,7 +119,7 @@ impl<'a> Refiner<'a> {
             mended: [GHOST; 2],
             created: Vec::new(),
             cavity: Cavity::default(),
-            control: Control::new(),
+            control: Control::never().clone(),
             encroached: Encroached::default(),
             queue: Queue::default(),
             facet: VoronoiFacet::default(),

@@ -12,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::refiner::{watch, Refiner};
 use super::split::{Split, NEVER};
-use crate::domain::boundary::{face_key, Standing};
+use crate::domain::boundary::{face_keys, Standing};
 use crate::domain::facet::FacetChange;
 use crate::domain::label::OUTSIDE;
 use crate::domain::pending::Demand;
@@ -178,7 +178,7 @@ impl Refiner<'_> {
 
     /// Splits what a split has left missing; whether nothing is missing then. No control cancels it: the split would be half done.
     fn follow(&mut self, demand: Demand) -> Result<bool, Error> {
-        let control = std::mem::take(&mut self.control);
+        let control = std::mem::replace(&mut self.control, Control::never().clone());
         let (mut first, mut complete) = (Vec::new(), Ok(false));
         for _ in 0..FOLLOWING {
             match self.recovery_step(&mut first, demand, &|| true) {
@@ -252,9 +252,7 @@ impl Refiner<'_> {
         if topology.region.is_empty() || !record.inserted {
             return false;
         }
-        let mut created: Vec<_> =
-            record.changes.iter().flat_map(|(_, change)| &change.created).copied().map(face_key).collect();
-        created.sort_unstable();
+        let mut created = face_keys(record.changes.iter().flat_map(|(_, change)| &change.created));
         created.dedup();
         let parting = |&tet: &u32| {
             let v = topology.tet(tet).v;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use super::restore::Element;
-use crate::domain::boundary::{edge_key, face_key, Boundary};
+use crate::domain::boundary::{edge_key, face_key, face_keys, Boundary};
 use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
@@ -97,13 +97,22 @@ impl Refiner<'_> {
         }
     }
 
-    /// Rule 2: inserts a subfacet's circumcentre, or a better point beside it, unless that encroaches upon a subsegment, which then is queued before it.
+    /// Rule 2: inserts a subfacet's circumcentre, or a better point beside it, unless that encroaches upon a subsegment, which then is queued before it. After
+    /// an error it is blocked, as a subsegment is.
     pub(super) fn split_facet(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
+        let split = self.split_facet_within(face, demand);
+        if split.is_err() {
+            self.block_facet(face, NEVER);
+        }
+        split
+    }
+
+    fn split_facet_within(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
         self.boundary.reserve()?;
         let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
             // Nothing may be asked about such a point: the predicates don't hold it.
             FacetSplit::At(p, _) if check_range(0, flush_tiny(p)).is_err() => return Ok(self.block_facet(face, NEVER)),
-            FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand).unwrap_or(flush_tiny(p)), triangle),
+            FacetSplit::At(p, triangle) => (self.facet_off_centre(face, p, demand)?.unwrap_or(flush_tiny(p)), triangle),
             FacetSplit::Segment(edge) => return Ok(self.after(face, vec![edge], demand)),
         };
         let split = self.split_facet_at(face, (p, start_triangle), demand)?;
@@ -119,16 +128,8 @@ impl Refiner<'_> {
         self.split_facet_at(face, (flush_tiny(p), spot), demand)
     }
 
-    /// [`split_facet`](Self::split_facet) at `p`, which lies in the circle of `start_triangle` in its facet. After an error it is blocked, as a subsegment is.
-    fn split_facet_at(&mut self, face: [u32; 3], spot: (DVec3, [u32; 3]), demand: Demand) -> Result<Split, Error> {
-        let split = self.try_split_facet_at(face, spot, demand);
-        if split.is_err() {
-            self.block_facet(face, NEVER);
-        }
-        split
-    }
-
-    fn try_split_facet_at(
+    /// [`split_facet`](Self::split_facet) at `p`, which lies in the circle of `start_triangle` in its facet.
+    fn split_facet_at(
         &mut self,
         face: [u32; 3],
         (p, start_triangle): (DVec3, [u32; 3]),
@@ -235,9 +236,7 @@ impl Refiner<'_> {
             return false;
         }
         let after = demand.following();
-        let mut removed: Vec<[u32; 3]> =
-            changes.iter().flat_map(|(_, change)| &change.removed).map(|&face| face_key(face)).collect();
-        removed.sort_unstable();
+        let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed));
         let replaced = |face: [u32; 3]| removed.binary_search(&face).is_ok();
         self.encroached
             .taken_segments()

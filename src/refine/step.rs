@@ -173,9 +173,10 @@ impl Mesh {
         let (mut cavity, mut found, mut all) = (Cavity::default(), Encroached::default(), Encroached::default());
         for &p in samples {
             let p = flush_tiny(p);
-            if self.t.prepare(p, start, &mut cavity, Control::never()).is_ok() {
-                let searched = boundary.encroached_by(&self.t, p, &cavity, &mut found, Control::never());
-                debug_assert!(searched.is_ok(), "nobody cancels it");
+            let control = Control::never();
+            if self.t.prepare(p, start, &mut cavity, control).is_ok()
+                && boundary.encroached_by(&self.t, p, &cavity, &mut found, control).is_ok()
+            {
                 all.segments.append(&mut found.segments);
                 all.facets.append(&mut found.facets);
                 all.segments.append(&mut found.lost_segments);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::samples::on_a_sphere;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::Unplaced;
 use crate::{Control, DVec3, Error, Mesh, Plc, PlcFacet, Triangulation};
@@ -592,13 +593,8 @@ fn a_circumcentre_beyond_the_predicates_range_is_no_vertex() {
 #[test]
 fn a_refinement_is_cancelled_amid_large_cavities() {
     let count = 2000;
-    let point = |i: usize| {
-        let (z, angle) = (1.0 - (2 * i + 1) as f64 / count as f64, i as f64 * 2.399963);
-        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
-    };
-    let points: Vec<DVec3> = (0..count).map(point).collect();
     let mut sphere = Mesh::new();
-    sphere.insert(&points, None, &Control::new()).unwrap();
+    sphere.insert(&on_a_sphere(count), None, &Control::new()).unwrap();
     for rule in [Rule::Sparse, Rule::Circumcenter] {
         let one = RefineOptions { rule, max_vertices: count + 1, ..RefineOptions::default() };
         let (control, mut refined) = (Control::new(), sphere.clone());

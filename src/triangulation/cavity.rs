@@ -63,6 +63,7 @@ impl Cavity {
         self.tets.clear();
         self.faces.clear();
         self.entries.clear();
+        self.planned = false;
     }
 
     /// Memory for cavities among that many tetrahedra and vertices.

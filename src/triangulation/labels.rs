@@ -69,12 +69,6 @@ impl Labels {
         unsafe { *self.of.get_unchecked(entry) }
     }
 
-    /// The lowest number of the cavity's.
-    #[inline]
-    pub fn first(&self) -> u32 {
-        self.first
-    }
-
     /// How many vertices of the cavity have numbers.
     #[inline]
     pub fn count(&self) -> usize {

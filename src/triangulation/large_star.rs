@@ -51,15 +51,14 @@ impl LargeStar {
         for part in faces.chunks(PART) {
             control.check()?;
             for &face in part {
-                // SAFETY: a tetrahedron of the cavity, whose vertices have labels.
+                // SAFETY: a tetrahedron of the cavity.
                 let (mut tet, slot) = (*unsafe { site.tet(tet_of(face)) }, slot_of(face));
                 let position = self.planned.len() as u32;
                 for j in REST.map(|other| slot ^ other) {
-                    // SAFETY: as above.
-                    let [k, l] = EVEN_REST[slot][j].map(|i| unsafe { labels.of(tet.v[i]) } - labels.first());
+                    let [k, l] = EVEN_REST[slot][j].map(|i| labels.number(tet.v[i]) as u32);
                     self.sides.push(Side { ends: [k.min(l), k.max(l)], face: 4 * position + j as u32 });
                 }
-                self.ghosts += usize::from((0..4).any(|i| i != slot && tet.v[i] == GHOST));
+                self.ghosts += usize::from(tet.face(slot).contains(&GHOST));
                 tet.n = [tet.n[slot]; 4];
                 self.planned.push(tet);
             }
@@ -116,16 +115,15 @@ impl LargeStar {
         debug_assert!(self.planned.len() == faces.len() && created.len() == faces.len());
         for ((planned, &t), &face) in self.planned.iter().zip(created).zip(faces) {
             let slot = slot_of(face);
-            let Tetrahedron { mut v, n } = *planned;
-            v[slot] = new;
-            let outside = n[slot];
-            let mut n =
-                n.map(|face| 4 * created[(tet_of(face) as usize).min(created.len() - 1)] + slot_of(face) as u32);
-            n[slot] = outside;
+            let mut tet = *planned;
+            tet.v[slot] = new;
+            for j in REST.map(|other| slot ^ other) {
+                tet.n[j] = 4 * created[tet_of(tet.n[j]) as usize] + slot_of(tet.n[j]) as u32;
+            }
             // SAFETY: a place of the star, and a neighbour of the cavity.
             unsafe {
-                site.put(t, Tetrahedron { v, n });
-                site.link(outside, 4 * t + slot as u32);
+                site.put(t, tet);
+                site.link(tet.n[slot], 4 * t + slot as u32);
             }
         }
         self.ghosts

@@ -237,8 +237,7 @@ unsafe fn search<L: Lanes, T: Territory>(
     let centre = splat::<L>(&p);
     let bound = filter.insphere_bound();
     let (above, below) = (L::splat(bound), L::splat(-bound));
-    let Cavity { marks, tets, faces, entries, labels, planned, .. } = cavity;
-    *planned = false;
+    let Cavity { marks, tets, faces, entries, labels, .. } = cavity;
     let marks = &mut marks[..];
     let mut giver = labels.begin(site.points().len());
     // The list of entries is the queue too: those from `next` on have neighbours to be looked at. Lengths are kept here while the loop

@@ -1,6 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::samples::on_a_sphere;
 
 fn mixed_point() -> impl Strategy<Value = DVec3> {
     let small = |n: i32| (0..n, 0..n, 0..n).prop_map(|(x, y, z)| DVec3::new(x as f64, y as f64, z as f64));
@@ -127,15 +128,6 @@ fn dimension_grows_with_the_points() {
         t.validate(3).unwrap();
     }
     assert_eq!(t.insert(DVec3::new(-0.0, 0.0, 0.0), None).unwrap(), Inserted { vertex: 0, is_new: false });
-}
-
-/// So many points on a sphere. One at its centre conflicts with everything inside.
-fn on_a_sphere(count: usize) -> Vec<DVec3> {
-    let point = |i: usize| {
-        let (z, angle) = (1.0 - (2 * i + 1) as f64 / count as f64, i as f64 * 2.399963);
-        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
-    };
-    (0..count).map(point).collect()
 }
 
 #[test]

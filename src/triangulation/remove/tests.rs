@@ -2,6 +2,7 @@ use proptest::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::*;
+use crate::samples::on_a_sphere;
 use crate::triangulation::topology::slot_of;
 use crate::Control;
 
@@ -234,13 +235,9 @@ fn grids_emptied_one_by_one() {
 #[test]
 fn a_hub_of_high_degree() {
     // More neighbours than are inserted in their own order.
-    let on_sphere = |i: usize| {
-        let (z, angle) = (1.0 - (i as f64 + 0.5) / 500.0, i as f64 * 2.399963);
-        DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
-    };
     let mut t = Triangulation::new();
-    for i in 0..1000 {
-        t.insert(on_sphere(i), None).unwrap();
+    for p in on_a_sphere(1000) {
+        t.insert(p, None).unwrap();
     }
     let hub = t.insert(DVec3::splat(1e-3), None).unwrap().vertex;
     t.remove(hub).unwrap();
