@@ -264,8 +264,8 @@ impl Boundary {
     /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out; while
     /// the boundary is refined lazily only the latter.
     pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, found: &mut Encroached, demand: Demand) {
-        debug_assert!(found.taken_segments().all(|[a, b]| t.topology.find_edge(a, b).is_none()));
-        debug_assert!(found.taken_facets().all(|face| t.topology.find_face(face).is_none()));
+        debug_assert!(found.taken_segments().all(|[a, b]| t.find_edge(a, b).is_none()));
+        debug_assert!(found.taken_facets().all(|face| t.find_face(face).is_none()));
         // Not what has been split: it is none any more.
         let (segments, facets) = (&self.subsegments, &self.subfacets);
         self.missing_segments.extend(found.taken_segments().filter(|edge| segments.contains_key(edge)));
@@ -453,9 +453,8 @@ impl Boundary {
         t: &Triangulation,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<[u32; 2]>, Error> {
-        let missing = |b: &Self, edge: &[u32; 2]| {
-            b.subsegments.contains_key(edge) && t.topology.find_edge(edge[0], edge[1]).is_none()
-        };
+        let missing =
+            |b: &Self, edge: &[u32; 2]| b.subsegments.contains_key(edge) && t.find_edge(edge[0], edge[1]).is_none();
         self.pop(go_on, |b| &mut b.missing_segments, missing)
     }
 
@@ -465,8 +464,7 @@ impl Boundary {
         t: &Triangulation,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<[u32; 3]>, Error> {
-        let missing =
-            |b: &Self, face: &[u32; 3]| b.subfacets.contains_key(face) && t.topology.find_face(*face).is_none();
+        let missing = |b: &Self, face: &[u32; 3]| b.subfacets.contains_key(face) && t.find_face(*face).is_none();
         self.pop(go_on, |b| &mut b.missing_facets, missing)
     }
 
@@ -477,7 +475,7 @@ impl Boundary {
 
     /// If any vertex lies in the diametral ball of an edge, one of its link does.
     fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> State {
-        let Some((tet, i, j)) = t.topology.find_edge(a, b) else { return State::Missing };
+        let Some((tet, i, j)) = t.find_edge(a, b) else { return State::Missing };
         let mut link = t.topology.around_edge(tet, i, j).map(|(around, k, _)| t.topology.tet(around).v[k]);
         State::of(link.any(|v| self.vertex_encroaches_segment(t, [a, b], v)))
     }
@@ -646,7 +644,7 @@ impl Triangulation {
     /// The vertices opposite a face, the ghost among them; none when it is no face.
     fn face_apices(&self, face: [u32; 3]) -> impl Iterator<Item = u32> + '_ {
         let apex = |face: u32| self.topology.tet(tet_of(face)).v[slot_of(face)];
-        let side = self.topology.find_face(face);
+        let side = self.find_face(face);
         side.into_iter().flat_map(move |face| [apex(face), apex(self.topology.tet(tet_of(face)).n[slot_of(face)])])
     }
 }

@@ -111,6 +111,11 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
+        // Far from the boundary most cavities have no edge between vertices on it.
+        let on_boundary = |&v: &u32| v != GHOST && self.kind(v) != 0;
+        if cavity.rim(&t.topology).filter(on_boundary).nth(1).is_none() {
+            return Ok(());
+        }
         // Whether it stays: one of the faces around the cavity has it.
         let mut segments = std::mem::take(&mut found.inner);
         segments.clear();
@@ -118,9 +123,7 @@ impl Boundary {
         for &tet in &cavity.tets {
             turns.check()?;
             let Tetrahedron { v, n } = *t.topology.tet(tet);
-            // Far from the boundary, most are.
-            let on_boundary = |&&v: &&u32| v != GHOST && self.kind(v) != 0;
-            if v.iter().filter(on_boundary).count() < 2 {
+            if v.iter().copied().filter(on_boundary).nth(1).is_none() {
                 continue;
             }
             let partners = v.map(|v| self.subsegments.partners(v));

@@ -68,7 +68,7 @@ impl Boundary {
             // A look each time: a face between large stars takes its time.
             control.check()?;
             let apart = |f: u32| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]);
-            if !t.topology.find_face(face).is_some_and(apart) {
+            if !t.find_face(face).is_some_and(apart) {
                 parts_labels = false;
                 break;
             }

@@ -208,7 +208,7 @@ impl Boundary {
 impl Triangulation {
     /// What becomes of a face when a cavity is filled.
     fn in_space(&self, cavity: &Cavity, face: [u32; 3]) -> InSpace {
-        let Some(face) = self.topology.find_face(face) else { return InSpace::Missing };
+        let Some(face) = self.find_face(face) else { return InSpace::Missing };
         let across = self.topology.tet(tet_of(face)).n[slot_of(face)];
         match (cavity.contains(tet_of(face)), cavity.contains(tet_of(across))) {
             (true, true) => InSpace::BothGo,
@@ -219,7 +219,7 @@ impl Triangulation {
 
     /// A tetrahedron with this face, finite if there is one.
     pub(crate) fn face_tetrahedron(&self, face: [u32; 3]) -> Option<u32> {
-        self.topology.find_face(face).map(|handle| self.finite_at(tet_of(handle)))
+        self.find_face(face).map(|handle| self.finite_at(tet_of(handle)))
     }
 
     /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now

@@ -35,8 +35,8 @@ impl Obstacles {
     /// Notes what a sample for an edge, and a tetrahedron with these vertices, has failed on.
     pub fn note(&mut self, t: &Triangulation, edge: [u32; 2], v: [u32; 4], element: Element) {
         let near = match element {
-            Element::Segment([a, b]) => t.topology.find_edge(a, b).map(|(tet, _, _)| tet),
-            Element::Facet(face) => t.topology.find_face(face).map(tet_of),
+            Element::Segment([a, b]) => t.find_edge(a, b).map(|(tet, _, _)| tet),
+            Element::Facet(face) => t.find_face(face).map(tet_of),
         };
         #[cfg(test)]
         let near = near.filter(|_| !self.forgetful);

@@ -240,7 +240,7 @@ impl Refiner<'_> {
         tets.iter().any(leaks)
             || meant.any(|&face| {
                 let parts = |handle: u32| topology.labels_differ(tet_of(handle), slot_of(handle));
-                !self.boundary.is_subfacet(face) && topology.find_face(face).is_some_and(parts)
+                !self.boundary.is_subfacet(face) && self.t.find_face(face).is_some_and(parts)
             })
     }
 

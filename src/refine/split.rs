@@ -40,7 +40,7 @@ impl Refiner<'_> {
         self.boundary.reserve()?;
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
-        let found = self.t.topology.find_edge(edge[0], edge[1]);
+        let found = self.t.find_edge(edge[0], edge[1]);
         let start = found.map_or(self.t.topology.vertex_tet[edge[0] as usize], |e| e.0);
         if self.boundary.keeps(found.is_some()) {
             return Ok(self.block_segment(edge, NEVER));
@@ -258,11 +258,11 @@ impl Refiner<'_> {
 
     /// The distance from the cavity's point to the nearest vertex.
     pub(super) fn rim_distance(&self, p: DVec3) -> Result<f64, Error> {
-        let (turns, mut least) = (self.control.turns(), f64::INFINITY);
-        for v in self.cavity.rim(&self.t.topology) {
+        let turns = self.control.turns();
+        let least = self.cavity.rim(&self.t.topology).try_fold(f64::INFINITY, |least, v| {
             turns.check()?;
-            least = least.min(self.t.at(v).distance_squared(p));
-        }
-        Ok(least.sqrt())
+            Ok(f64::min(least, self.t.at(v).distance_squared(p)))
+        })?;
+        Ok::<f64, Error>(least.sqrt())
     }
 }

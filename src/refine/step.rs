@@ -109,7 +109,7 @@ impl Mesh {
         if edge[0] == edge[1] || edge.iter().any(|&v| !self.t.is_vertex(v)) {
             return Err(Error::NoSuchEdge { edge });
         }
-        let (tet, i, j) = self.t.topology.find_edge(edge[0], edge[1]).ok_or(Error::NoSuchEdge { edge })?;
+        let (tet, i, j) = self.t.find_edge(edge[0], edge[1]).ok_or(Error::NoSuchEdge { edge })?;
         let mut batch = Batch { edge: edge_key(edge), points: Vec::new(), span: 0.0, theta: 0.0 };
         if let Some(boundary) = self.boundary() {
             batch.points = self.pending_split(boundary).into_iter().collect();

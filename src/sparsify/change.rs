@@ -7,9 +7,9 @@ use crate::domain::label::OUTSIDE;
 use crate::domain::{Boundary, Carrier};
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::flush_tiny;
-use crate::geometry::quality::{exceeds_radius_edge, EDGES};
-use crate::triangulation::remove::{Hole, Replacement, ADDED};
-use crate::triangulation::topology::GHOST;
+use crate::geometry::quality::{four_exceed_radius_edge, in_fours, EDGES};
+use crate::triangulation::remove::{Coming, Hole, Replacement, ADDED};
+use crate::triangulation::topology::{Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{DVec3, Error};
 
@@ -78,22 +78,27 @@ impl Sparsifier {
 
     /// Whether what comes keeps the bound, but for what `demand` leaves for later, and has no edge that is too short.
     fn keeps_bound(&self, t: &Triangulation, boundary: &Boundary, demand: Demand) -> bool {
-        self.hole.coming.iter().all(|coming| {
-            let Some(corners) = t.coming_corners(&self.hole, coming) else { return true };
-            if coming.label == Some(OUTSIDE) {
-                return true;
-            }
-            let near = |slot: usize| (0..4).any(|i| i != slot && corners[i].distance(corners[slot]) < self.min_edge);
-            if coming.v.iter().position(|&v| v == ADDED).is_some_and(near) {
-                return false;
-            }
-            if !exceeds_radius_edge(corners, self.radius_edge) {
-                return true;
-            }
-            let length = |&[i, j]: &[usize; 2]| corners[i].distance_squared(corners[j]);
-            let Some(shortest) = EDGES.iter().min_by(|a, b| length(a).total_cmp(&length(b))) else { return false };
-            let edge = shortest.map(|slot| coming.v[slot]);
-            length(shortest) > demand.level2 && (edge.contains(&ADDED) || !boundary.is_seditious(t, edge))
+        let Hole { coming, .. } = &self.hole;
+        let counts = |coming: &Coming| coming.v[3] != GHOST && coming.label != Some(OUTSIDE);
+        let added = self.hole.point().unwrap_or(DVec3::NAN);
+        let at = |v: u32| if v == ADDED { &added } else { &t.points()[v as usize] };
+        let near = |coming: &Coming| {
+            coming.v.contains(&ADDED) && coming.v.iter().any(|&v| v != ADDED && at(v).distance(added) < self.min_edge)
+        };
+        let mut all = in_fours((0..coming.len() as u32).filter(|&i| counts(&coming[i as usize])));
+        all.all(|(four, count)| {
+            let tets = four.map(|i| &coming[i as usize]);
+            let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|tet| tet.v.map(at)), self.radius_edge);
+            (0..count).all(|i| {
+                let may_stay = || {
+                    let length2 = |[i, j]: [usize; 2], v: [u32; 4]| at(v[i]).distance_squared(*at(v[j]));
+                    let is_shortest = |&&pair: &&[usize; 2]| length2(pair, tets[i].v) == shortest[i];
+                    let Some(pair) = EDGES.iter().find(is_shortest) else { return false };
+                    let edge = pair.map(|slot| tets[i].v[slot]);
+                    shortest[i] > demand.level2 && (edge.contains(&ADDED) || !boundary.is_seditious(t, edge))
+                };
+                !near(tets[i]) && (exceed >> i & 1 == 0 || may_stay())
+            })
         })
     }
 }
@@ -117,17 +122,35 @@ fn is_edge(hole: &Hole, edge: [u32; 2], named: impl Fn(u32) -> u32) -> bool {
     })
 }
 
+/// The tetrahedra that go which have an edge between vertices on the boundary, by their vertices: few.
+fn at_boundary<'a>(
+    t: &'a Triangulation,
+    boundary: &'a Boundary,
+    hole: &'a Hole,
+) -> impl Iterator<Item = Tetrahedron> + 'a {
+    let on = |&v: &u32| v != GHOST && boundary.kind(v) != 0;
+    let tets = hole.going.iter().map(|going| *t.topology.tet(going.t));
+    tets.filter(move |tet| tet.v.into_iter().filter(on).nth(1).is_some())
+}
+
+/// The subfacets of a tetrahedron.
+fn walls(boundary: &Boundary, tet: Tetrahedron) -> impl Iterator<Item = [u32; 3]> + '_ {
+    let slots = if boundary.may_have_wall(tet.v) { 0..4 } else { 0..0 };
+    slots.map(move |slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some())
+}
+
+/// And its subsegments.
+fn subsegments(boundary: &Boundary, tet: Tetrahedron) -> impl Iterator<Item = [u32; 2]> + '_ {
+    let on = |v: u32| v != GHOST && boundary.kind(v) != 0;
+    let edges = EDGES.iter().map(move |&[i, j]| [tet.v[i], tet.v[j]]);
+    edges.filter(move |&[a, b]| on(a) && on(b) && boundary.is_subsegment(edge_key([a, b])))
+}
+
 /// Whether what is left of the boundary in the hole is there when it is filled.
 fn keeps_boundary(t: &Triangulation, boundary: &Boundary, hole: &Hole, named: impl Fn(u32) -> u32 + Copy) -> bool {
-    hole.going.iter().all(|going| {
-        let tet = t.topology.tet(going.t);
-        let faces = (0..4).map(|slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some());
-        let both = |&[i, j]: &[usize; 2]| {
-            let on = |v: u32| v != GHOST && boundary.kind(v) != 0;
-            on(tet.v[i]) && on(tet.v[j]) && boundary.is_subsegment(edge_key([tet.v[i], tet.v[j]]))
-        };
-        faces.into_iter().all(|face| is_face(hole, face_key(face), named))
-            && EDGES.iter().filter(|pair| both(pair)).all(|&[i, j]| is_edge(hole, [tet.v[i], tet.v[j]], named))
+    at_boundary(t, boundary, hole).all(|tet| {
+        walls(boundary, tet).all(|face| is_face(hole, face_key(face), named))
+            && subsegments(boundary, tet).all(|edge| is_edge(hole, edge, named))
     })
 }
 
@@ -135,16 +158,8 @@ fn keeps_boundary(t: &Triangulation, boundary: &Boundary, hole: &Hole, named: im
 fn is_clear(t: &Triangulation, boundary: &Boundary, hole: &Hole) -> bool {
     let Some(p) = hole.point() else { return true };
     let at = |v: u32| -> DVec3 { t.at(v) };
-    hole.going.iter().all(|going| {
-        let tet = t.topology.tet(going.t);
-        let faces = (0..4).map(|slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some());
-        faces.into_iter().all(|face| !encroaches_facet(face.map(at), p))
-            && EDGES.iter().all(|&[i, j]| {
-                let edge = [tet.v[i], tet.v[j]];
-                let on = |v: u32| v != GHOST && boundary.kind(v) != 0;
-                !(edge.into_iter().all(on)
-                    && boundary.is_subsegment(edge_key(edge))
-                    && encroaches_segment(edge.map(at), p))
-            })
+    at_boundary(t, boundary, hole).all(|tet| {
+        walls(boundary, tet).all(|face| !encroaches_facet(face.map(at), p))
+            && subsegments(boundary, tet).all(|edge| !encroaches_segment(edge.map(at), p))
     })
 }

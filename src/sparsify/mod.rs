@@ -55,8 +55,10 @@ pub enum Sparsify {
 /// What the levels of [`Sparsify`] mean. The limits were found by looking at what of all that was tried came to something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Effort {
-    /// Neighbours that are tried, the nearest.
+    /// Neighbours that are tried.
     pub neighbours: usize,
+    /// Whether those come first that have most room around them, not the nearest ones. Where few are tried, they come to something more often.
+    pub widest: bool,
     /// Obstacles of `v` alone that may be left when a neighbour goes with it.
     pub remaining: usize,
     /// Obstacles of a sample alone that are worth a try.
@@ -89,30 +91,33 @@ impl Effort {
         match level {
             Sparsify::Off | Sparsify::Moves => Effort {
                 neighbours: 2,
+                widest: true,
                 remaining: 0,
                 alone: 3,
                 obstacles: 8,
                 cap: 1.8,
                 places: 3,
-                spacing: 0.72,
+                spacing: 1.1,
                 reach: 1.2,
                 cascade: 0,
                 all: false,
             },
             Sparsify::Quick => Effort {
                 neighbours: 3,
+                widest: true,
                 remaining: 0,
                 alone: usize::MAX,
                 obstacles: 8,
                 cap: 2.5,
                 places: 10,
-                spacing: 0.72,
+                spacing: 0.9,
                 reach: 1.75,
                 cascade: 0,
                 all: false,
             },
             Sparsify::Thorough => Effort {
                 neighbours: 8,
+                widest: false,
                 remaining: 3,
                 alone: usize::MAX,
                 obstacles: 20,
@@ -153,7 +158,7 @@ pub(crate) struct Sparsifier {
     pub hole: Hole,
     /// The vertex that the last replacement added.
     newest: u32,
-    near: Vec<(f64, u32)>,
+    near: Vec<search::Candidate>,
     /// Vertices taken away and not replaced.
     pub removed: usize,
     /// Vertices that came in the place of two.

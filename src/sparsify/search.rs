@@ -11,7 +11,7 @@
 //! A vertex on a segment stands in for one on a facet beside it or a free one, a vertex on a facet for a free one; the place then is on
 //! that segment or facet.
 
-use super::forecast::Space;
+use super::forecast::{Forecast, Space};
 use super::{Demand, Effort, Sparsifier};
 use crate::domain::{Boundary, Carrier, Unsplit};
 use crate::geometry::flush_tiny;
@@ -31,6 +31,15 @@ pub struct Found {
     pub plan: Unsplit,
     /// Whether `pair` has said in full what goes and what comes.
     pub guess: bool,
+}
+
+/// A vertex that may be the partner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    v: u32,
+    distance: f64,
+    /// To its nearest neighbour within the hole of what the partner is for.
+    spacing: f64,
 }
 
 /// What a partner is looked for.
@@ -66,7 +75,7 @@ impl Sparsifier {
         self.near.clear();
         for i in 0..self.alone.going().len() {
             for w in t.topology.tet(self.alone.going()[i]).v {
-                if w != v && !self.near.iter().any(|n| n.1 == w) {
+                if w != v && !self.near.iter().any(|n| n.v == w) {
                     self.consider(t, boundary, w, t.at(v), limit, while_refining);
                 }
             }
@@ -93,30 +102,17 @@ impl Sparsifier {
         (p, cavity): (DVec3, &Cavity),
         demand: Demand,
     ) -> Option<Found> {
-        let limit = self.reach(demand);
-        self.near.clear();
-        // A bit for each of the cavity's vertices that has been considered; those beyond are few.
-        let mut seen = [0u64; 8];
-        for &id in &cavity.tets {
-            for w in t.topology.tet(id).v {
-                if w < self.first || w == GHOST {
-                    continue;
-                }
-                let number = cavity.number(w);
-                let is_new = match seen.get_mut(number / 64) {
-                    Some(word) => std::mem::replace(word, *word | 1 << (number % 64)) >> (number % 64) & 1 == 0,
-                    None => !self.near.iter().any(|n| n.1 == w),
-                };
-                if is_new {
-                    self.consider(t, boundary, w, p, limit, true);
-                }
-            }
-        }
-        if self.near.is_empty() || !self.alone.take_cavity(t, boundary, p, cavity, demand) {
+        if Forecast::is_too_large(cavity) {
             return None;
         }
-        // Nothing to mend: whatever the sample is for, it shall come.
-        if self.alone.obstacles.is_empty() || self.alone.obstacles.len() > self.effort.alone {
+        let limit = self.reach(demand);
+        self.near.clear();
+        for w in cavity.rim(&t.topology) {
+            if w >= self.first && !self.near.iter().any(|n| n.v == w) {
+                self.consider(t, boundary, w, p, limit, true);
+            }
+        }
+        if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.effort.alone) {
             return None;
         }
         self.find_partner(t, boundary, Subject::Sample(p), demand)
@@ -134,7 +130,7 @@ impl Sparsifier {
         }
         let distance = t.at(w).distance(p);
         if distance <= limit {
-            self.near.push((distance, w));
+            self.near.push(Candidate { v: w, distance, spacing: 0.0 });
         }
     }
 
@@ -146,19 +142,21 @@ impl Sparsifier {
         subject: Subject,
         demand: Demand,
     ) -> Option<Found> {
-        let Effort { neighbours, remaining, obstacles, cap, places, spacing, .. } = self.effort;
+        let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, .. } = self.effort;
         let level = demand.level2.sqrt();
         let spacing = if level.is_finite() { spacing * level } else { 0.0 };
         let Sparsifier { alone, pair, near, .. } = self;
         let p = subject.position(t);
-        near.retain(|&(_, w)| {
-            let Some(number) = alone.vertices.iter().position(|&x| x == w) else { return false };
-            let misses = |&&i: &&u32| !alone.filling[i as usize].v.contains(&(number as u8));
-            alone.obstacles.iter().filter(misses).count() <= remaining
+        near.retain_mut(|candidate| {
+            let Some(number) = alone.number_in_hole(candidate.v) else { return false };
+            candidate.spacing = alone.spacing(number);
+            let misses = |&&i: &&u32| !alone.filling[i as usize].v.contains(&number);
+            candidate.spacing >= spacing && alone.obstacles.iter().filter(misses).count() <= remaining
         });
-        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let rank = |c: &Candidate| if widest { -c.spacing } else { c.distance };
+        near.sort_unstable_by(|a, b| rank(a).total_cmp(&rank(b)).then(a.v.cmp(&b.v)));
         near.truncate(neighbours);
-        for &(distance, w) in near.iter() {
+        for &Candidate { v: w, distance, .. } in near.iter() {
             let (lower, space) = match subject {
                 Subject::Vertex(v) => match shared_space(t, boundary, v, w) {
                     Some(shared) => shared,
@@ -168,7 +166,7 @@ impl Sparsifier {
             };
             let carrier = boundary.carrier(lower);
             let q = t.at(w);
-            let number = alone.vertices.iter().position(|&x| x == w)? as u8;
+            let number = alone.number_in_hole(w)?;
             let base = t.at(lower);
             let mut place = base + space.along(0.5 * p + 0.5 * q - base);
             if !alone.move_into_obstacles(&mut place, &space, |tet| !tet.v.contains(&number)) {

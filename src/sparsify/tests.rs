@@ -237,7 +237,8 @@ fn a_hole_that_follows_from_another_is_as_one_made_anew() {
     let mut t = Triangulation::new();
     t.insert_many(&random_points(400, 3), &Control::new()).unwrap();
     let boundary = crate::domain::Boundary::default();
-    let demand = Demand { bound2: 1e300, level2: f64::INFINITY };
+    // All tetrahedra are obstacles.
+    let demand = Demand { bound2: 0.1, level2: f64::INFINITY };
     let [mut known, mut more, mut anew] = [(); 3].map(|()| Forecast::default());
     let mut cavity = Cavity::default();
     let mut next = numbers(8);
@@ -261,7 +262,7 @@ fn a_hole_that_follows_from_another_is_as_one_made_anew() {
         // The hole of a vertex from the cavity of a point: as if the point had been inserted, and both were removed.
         let p = t.at(w) + 0.1 * (DVec3::new(next(), next(), next()) - 0.5);
         t.prepare(p, t.recent(), &mut cavity, &Control::new()).unwrap();
-        if known.take_cavity(&t, &boundary, p, &cavity, demand)
+        if known.take_cavity(&t, &boundary, (p, &cavity), demand, usize::MAX)
             && more.fill_more(&mut known, &t, &boundary, (w, 0.0), demand, usize::MAX)
         {
             let mut with = t.clone();

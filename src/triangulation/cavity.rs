@@ -108,9 +108,12 @@ impl Cavity {
         topology.tet(tet_of(face)).face(slot_of(face))
     }
 
-    /// The finite vertices around the cavity, each once or more often.
+    /// The finite vertices around the cavity, each once, a few more often: those of the tetrahedron that the search began with, and what each
+    /// further one brought.
     pub fn rim<'a>(&'a self, topology: &'a Topology) -> impl Iterator<Item = u32> + 'a {
-        self.faces.iter().flat_map(|&face| self.face(topology, face)).filter(|&v| v != GHOST)
+        let first = self.entries.first().map(|&entry| topology.tet(tet_of(entry)).v);
+        let brought = self.entries.iter().skip(1).map(|&entry| topology.tet(tet_of(entry)).v[slot_of(entry)]);
+        first.into_iter().flatten().chain(brought).filter(|&v| v != GHOST)
     }
 }
 

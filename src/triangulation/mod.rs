@@ -7,6 +7,7 @@
 //! | [`remove`] | what a removal, or a replacement of vertices, would remove and create, then doing it |
 //! | `search` | the walk to a point and the search of its cavity, four predicates at once |
 //! | `incident` | the tetrahedra at a vertex |
+//! | `toward` | edges and faces by their vertices |
 //! | `labels` | small numbers for a cavity's vertices |
 //! | `star` | the cavity replaced |
 //! | `large_star` | a large one, in parts |
@@ -48,6 +49,7 @@ mod star;
 mod territory;
 mod threads;
 pub mod topology;
+mod toward;
 mod validate;
 mod vertices;
 
@@ -217,7 +219,7 @@ impl Triangulation {
         if p == q || (p as usize) >= self.points.len() || (q as usize) >= self.points.len() {
             return None;
         }
-        let (t, i, j) = self.topology.find_edge(p, q)?;
+        let (t, i, j) = self.find_edge(p, q)?;
         let mut link = Vec::new();
         let closed = self.link_of(t, i, j, &mut link);
         Some((link, closed))

@@ -14,9 +14,16 @@ const PART: usize = 1 << 13;
 
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, u32>;
 
+/// As many are looked through faster than a tree of them.
+const FEW: usize = 64;
+
 /// Boxes by number.
 #[derive(Default)]
-pub(super) struct Boxes(Vec<RTree<Boxed>>);
+pub(super) struct Boxes {
+    trees: Vec<RTree<Boxed>>,
+    /// The lower and upper corners of all, if they are few.
+    few: Vec<[DVec3; 2]>,
+}
 
 impl Boxes {
     /// The bounding boxes of lists of points, numbered in their order; [`Error::Cancelled`] when the control says so before they are ready.
@@ -41,20 +48,28 @@ impl Boxes {
             sort_by(&mut all, &control.watch(), |a, b| place(a).total_cmp(&place(b)).then(a.2.cmp(&b.2)))?;
         }
         let mut boxes = InPieces::new(Boxes::default(), control);
+        if all.len() <= FEW {
+            boxes.few.extend(all.iter().map(|&(low, high, _)| [low, high]));
+        }
         for part in all.chunks(PART) {
             control.check()?;
             let boxed = |&(low, high, i): &(DVec3, DVec3, u32)| {
                 GeomWithData::new(Rectangle::from_corners(low.to_array(), high.to_array()), i)
             };
-            boxes.0.push(RTree::bulk_load(part.iter().map(boxed).collect()));
+            boxes.trees.push(RTree::bulk_load(part.iter().map(boxed).collect()));
         }
         Ok(boxes)
     }
 
     /// Those within `reach` of a point, sorted.
     pub fn at_point(&self, p: DVec3, reach: f64) -> Vec<u32> {
+        if !self.few.is_empty() {
+            let [least, most] = [p - reach, p + reach];
+            let meets = |[low, high]: [DVec3; 2]| low.cmple(most).all() && high.cmpge(least).all();
+            return self.few.iter().zip(0..).filter(|(&corners, _)| meets(corners)).map(|(_, i)| i).collect();
+        }
         let envelope = AABB::from_corners((p - reach).to_array(), (p + reach).to_array());
-        let near = self.0.iter().filter(|tree| tree.root().envelope().intersects(&envelope));
+        let near = self.trees.iter().filter(|tree| tree.root().envelope().intersects(&envelope));
         let mut found: Vec<u32> =
             near.flat_map(|tree| tree.locate_in_envelope_intersecting(envelope)).map(|boxed| boxed.data).collect();
         found.sort_unstable();
@@ -70,8 +85,8 @@ impl Boxes {
     ) -> Result<InPieces<'a, Vec<(u32, u32)>>, Error> {
         let turns = control.turns();
         let mut pairs = InPieces::new(Vec::new(), control);
-        for tree in &self.0 {
-            for other in &others.0 {
+        for tree in &self.trees {
+            for other in &others.trees {
                 turns.check()?;
                 if !tree.root().envelope().intersects(&other.root().envelope()) {
                     continue;
@@ -94,7 +109,7 @@ impl Boxes {
 
 impl Leavings for Boxes {
     fn give_back(&mut self) -> bool {
-        self.0.pop().is_some()
+        self.trees.pop().is_some()
     }
 }
 
@@ -126,11 +141,18 @@ mod tests {
         let control = Control::new();
         let edges = edges(2 * PART + 100);
         let boxes = Boxes::new(edges.iter().copied(), &control).unwrap();
-        assert_eq!(boxes.0.len(), 3);
+        assert_eq!(boxes.trees.len(), 3);
         let few = Boxes::new(edges[..200].iter().copied(), &control).unwrap();
         let numbers = |of: [DVec3; 2]| (0u32..).zip(&edges).filter(move |(_, &edge)| meet(of, edge)).map(|(i, _)| i);
         for &[p, _] in &edges[..50] {
             assert!(boxes.at_point(p, 0.01).into_iter().eq(numbers([p - 0.01, p + 0.01])));
+        }
+        for count in [0, 1, FEW, FEW + 1] {
+            let boxes = Boxes::new(edges[..count].iter().copied(), &control).unwrap();
+            for &[p, _] in &edges[..50] {
+                let found: Vec<u32> = numbers([p - 0.3, p + 0.3]).filter(|&i| (i as usize) < count).collect();
+                assert_eq!(boxes.at_point(p, 0.3), found);
+            }
         }
         let expected: Vec<(u32, u32)> =
             (0..200).flat_map(|i| numbers(edges[i as usize]).map(move |j| (i, j))).filter(|(i, j)| i != j).collect();

@@ -361,6 +361,20 @@ impl Forecast {
         *number
     }
 
+    /// The number of a vertex, if it is of the hole.
+    #[inline]
+    pub fn number_in_hole(&self, v: u32) -> Option<u8> {
+        self.number.get(v as usize).copied().filter(|&number| number != NONE)
+    }
+
+    /// The distance from a vertex to the nearest other one that it has an edge to in the filling.
+    pub fn spacing(&self, number: u8) -> f64 {
+        let p = self.at(number);
+        let at_it = self.filling.iter().filter(|tet| tet.v.contains(&number));
+        let others = at_it.flat_map(|tet| tet.v).filter(|&v| v != number);
+        others.map(|v| self.at(v).distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
+    }
+
     #[inline]
     fn at(&self, v: u8) -> DVec3 {
         DVec3::new(self.x[v as usize], self.y[v as usize], self.z[v as usize])

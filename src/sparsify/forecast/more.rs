@@ -40,22 +40,24 @@ impl Few {
 }
 
 impl Forecast {
-    /// Takes the cavity of a point that is not inserted as what would fill its hole. False when it is too large, or not free of walls.
+    /// Whether a cavity has more tetrahedra than are looked at.
+    pub fn is_too_large(cavity: &Cavity) -> bool {
+        cavity.tets.len() > 2 * MAX_VERTICES
+    }
+
+    /// Takes the cavity of a point that is not inserted as what would fill its hole. False when it is too large, or not free of walls, and when it has no
+    /// obstacles, or more than `most`.
     pub fn take_cavity(
         &mut self,
         t: &Triangulation,
         boundary: &Boundary,
-        p: DVec3,
-        cavity: &Cavity,
+        (p, cavity): (DVec3, &Cavity),
         demand: Demand,
+        most: usize,
     ) -> bool {
         self.begin(t, p);
-        if cavity.tets.len() > 2 * MAX_VERTICES {
+        if Forecast::is_too_large(cavity) {
             return false;
-        }
-        self.going.extend_from_slice(&cavity.tets);
-        for (&id, mark) in cavity.tets.iter().zip(1..) {
-            self.marks[id as usize] = mark;
         }
         let closed = boundary.closes(t);
         for (i, &id) in cavity.tets.iter().enumerate() {
@@ -63,6 +65,29 @@ impl Forecast {
             if (!closed || i == 0) && !t.is_inside(id) {
                 return false;
             }
+            let corners = t.corners(id).map(|corner| corner - p);
+            let (center, radius2) = sphere(corners);
+            let length2 = |[i, j]: [usize; 2]| corners[i].distance_squared(corners[j]);
+            let shortest2 = EDGES.into_iter().map(length2).fold(f64::INFINITY, f64::min);
+            if radius2 > demand.bound2 * shortest2 && shortest2 <= demand.level2 {
+                if self.obstacles.len() == most {
+                    return false;
+                }
+                self.obstacles.push(i as u32);
+            }
+            self.filling.push(Filling { v: [0; 4], n: [0; 4], center, radius2, id });
+        }
+        // Nothing to mend: whatever the point is for, it shall come.
+        !self.obstacles.is_empty() && self.link_cavity(t, boundary, cavity, closed)
+    }
+
+    /// The vertices and the neighbours of what fills the hole. False when it is too large, or not free of walls.
+    fn link_cavity(&mut self, t: &Triangulation, boundary: &Boundary, cavity: &Cavity, closed: bool) -> bool {
+        self.going.extend_from_slice(&cavity.tets);
+        for (&id, mark) in cavity.tets.iter().zip(1..) {
+            self.marks[id as usize] = mark;
+        }
+        for (i, &id) in cavity.tets.iter().enumerate() {
             let tet = t.topology.tet(id);
             let may_have_wall = boundary.may_have_wall(tet.v);
             let v = tet.v.map(|v| self.number_of(t, v));
@@ -84,14 +109,8 @@ impl Forecast {
                     RIM | (self.rim.len() - 1) as u16
                 };
             }
-            let corners = v.map(|v| self.at(v));
-            let (center, radius2) = sphere(corners);
-            let length2 = |[i, j]: [usize; 2]| corners[i].distance_squared(corners[j]);
-            let shortest2 = EDGES.into_iter().map(length2).fold(f64::INFINITY, f64::min);
-            if radius2 > demand.bound2 * shortest2 && shortest2 <= demand.level2 {
-                self.obstacles.push(i as u32);
-            }
-            self.filling.push(Filling { v, n, center, radius2, id });
+            let filling = &mut self.filling[i];
+            (filling.v, filling.n) = (v, n);
         }
         self.vertices.len() <= MAX_VERTICES
     }

@@ -50,12 +50,9 @@ impl OpenFaces {
         let rest = chunks.remainder();
         let mut place = None;
         for (i, chunk) in chunks.enumerate() {
-            let mut found = 0u32;
-            for (lane, &k) in chunk.iter().enumerate() {
-                found |= u32::from(k == key) << lane;
-            }
-            if found != 0 {
-                place = Some(i * LANES + found.trailing_zeros() as usize);
+            // All of them, and only then which: that takes a few instructions.
+            if chunk.iter().fold(false, |found, &k| found | (k == key)) {
+                place = chunk.iter().position(|&k| k == key).map(|lane| i * LANES + lane);
                 break;
             }
         }

@@ -110,6 +110,8 @@ fn match_faces(coming: &[[u32; 4]], hole: &mut Hole) -> bool {
         }
     };
     let is_number = |n: u32| (n as usize) < vertices.len();
+    // The new vertex is on no face of the hole.
+    let adds = vertices.first() == Some(&ADDED);
     inner.clear();
     halves.clear();
     let mut found = 0;
@@ -125,7 +127,8 @@ fn match_faces(coming: &[[u32; 4]], hole: &mut Hole) -> bool {
         let mut tet = Coming { v, label: None, small: NONE, n: [NONE; 4], rim: 0 };
         for slot in 0..4 {
             let key = rotated(oriented_face(&numbers, slot));
-            match by_vertices.find(key) {
+            let at_rim = if adds && key[0] == 0 { None } else { by_vertices.find(key) };
+            match at_rim {
                 Some(face) => {
                     tet.n[slot] = face;
                     tet.rim |= 1 << slot;
