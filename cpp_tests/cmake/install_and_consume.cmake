@@ -166,7 +166,7 @@ if(ROUTE STREQUAL deb)
 endif()
 
 if(ROUTE STREQUAL cargo-c)
-  # Debian's cargo-c (0.9) can't read today's manifests, and another has to be compiled: without one this is skipped.
+  # Debian's cargo-c (0.9) can't read today's manifests. script/test compiles another: without one this is skipped.
   execute_process(COMMAND ${CARGO} cinstall --version OUTPUT_VARIABLE version ERROR_QUIET)
   string(REGEX MATCH "cargo-c ([0-9]+\\.[0-9]+)" version "${version}")
   if(NOT version OR CMAKE_MATCH_1 VERSION_LESS 0.10)
