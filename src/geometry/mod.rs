@@ -3,6 +3,7 @@
 //!
 //! Orientation convention everywhere: a tetrahedron `abcd` is positive when `det[b−a, c−a, d−a] > 0`.
 
+pub(crate) mod ball;
 pub mod circumsphere;
 pub mod encroachment;
 mod exact;

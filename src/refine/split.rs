@@ -261,7 +261,8 @@ impl Refiner<'_> {
         let turns = self.control.turns();
         let least = self.cavity.rim(&self.t.topology).try_fold(f64::INFINITY, |least, v| {
             turns.check()?;
-            Ok(f64::min(least, self.t.at(v).distance_squared(p)))
+            let squared = self.t.at(v).distance_squared(p);
+            Ok(if squared < least { squared } else { least })
         })?;
         Ok::<f64, Error>(least.sqrt())
     }

@@ -93,7 +93,7 @@ impl Effort {
                 neighbours: 2,
                 widest: true,
                 remaining: 0,
-                alone: 3,
+                alone: 2,
                 obstacles: 8,
                 cap: 1.8,
                 places: 3,

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::faces::{oriented_face, rotated};
 use super::{Coming, Hole, Replacement, ADDED, REMOVED};
-use crate::geometry::perturbation::in_conflict;
+use crate::geometry::ball::Ball;
 use crate::geometry::Sign;
 use crate::memory;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST, NONE};
@@ -74,9 +74,8 @@ impl Triangulation {
             }
         };
         hole.coming.iter().zip(0u32..).all(|(tet, i)| {
-            let corners = tet.v.map(at);
-            let [a, b, c, d] = corners;
-            filter.orient3d(a, b, c, d) == Sign::Positive
+            let ball = Ball::of(tet.v.map(at));
+            ball.orientation(&filter) == Sign::Positive
                 && (0..4).all(|slot| {
                     let n = tet.n[slot];
                     let beyond = if tet.rim >> slot & 1 != 0 {
@@ -93,7 +92,7 @@ impl Triangulation {
                     } else {
                         hole.coming[tet_of(n) as usize].v[slot_of(n)]
                     };
-                    !in_conflict(&filter, corners, at(beyond))
+                    !ball.conflicts(&filter, at(beyond))
                 })
         })
     }
