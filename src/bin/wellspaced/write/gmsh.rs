@@ -27,7 +27,7 @@ fn groups<const N: usize>(elements: impl Iterator<Item = ([u32; N], i64)>) -> BT
 pub fn write_msh(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
     let edges = groups(mesh.edges.iter().map(|&(edge, marker)| (edge, marker.into())));
     let faces = groups(mesh.faces.iter().map(|&(face, marker)| (face, marker.into())));
-    let volumes = groups(mesh.tetrahedra.iter().zip(&mesh.regions).map(|(&tet, &region)| (tet, region.into())));
+    let volumes = groups(mesh.tetrahedra.iter().zip(mesh.regions.iter()).map(|(&tet, &region)| (tet, region.into())));
     let all = [(1, LINE, edges), (2, TRIANGLE, faces), (3, TETRAHEDRON, volumes)];
     writeln!(out, "$MeshFormat\n4.1 0 8\n$EndMeshFormat")?;
     let low = mesh.points.iter().copied().reduce(DVec3::min).unwrap_or_default().to_array().map(Shortest);
@@ -48,7 +48,7 @@ pub fn write_msh(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
     for tag in 1..=count {
         writeln!(out, "{tag}")?;
     }
-    for point in &mesh.points {
+    for point in mesh.points.iter() {
         let [x, y, z] = point.to_array().map(Shortest);
         writeln!(out, "{x} {y} {z}")?;
     }

@@ -21,7 +21,7 @@ pub fn write_mesh(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
         writeln!(out, "{} {} {} {marker}", a + 1, b + 1, c + 1)?;
     }
     writeln!(out, "Tetrahedra\n{}", mesh.tetrahedra.len())?;
-    for ([a, b, c, d], region) in mesh.tetrahedra.iter().zip(&mesh.regions) {
+    for ([a, b, c, d], region) in mesh.tetrahedra.iter().zip(mesh.regions.iter()) {
         writeln!(out, "{} {} {} {} {region}", a + 1, b + 1, c + 1, d + 1)?;
     }
     writeln!(out, "End")

@@ -7,6 +7,7 @@ mod number;
 mod tetgen;
 mod vtu;
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -86,9 +87,9 @@ impl OutputFile {
 
 /// A mesh ready to write: no gaps in the numbers of its vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct OutputMesh {
-    pub points: Vec<DVec3>,
-    pub tetrahedra: Vec<[u32; 4]>,
+pub struct OutputMesh<'a> {
+    pub points: Cow<'a, [DVec3]>,
+    pub tetrahedra: Cow<'a, [[u32; 4]]>,
     /// For each point whether it was added.
     pub steiner: Vec<bool>,
     /// For each point its own marker in the input, or that of the segment or facet that it was put on; 0 for others.
@@ -96,7 +97,7 @@ pub struct OutputMesh {
     /// For each point what it lies on: 0 nothing, 1 it is an input vertex, 2 a segment, 3 a facet.
     pub point_kinds: Vec<u8>,
     /// For each tetrahedron 0, or 1 + the position of its region in the domain's list.
-    pub regions: Vec<u32>,
+    pub regions: Cow<'a, [u32]>,
     /// For each tetrahedron its region's attribute; empty when there are no regions.
     pub attributes: Vec<f64>,
     /// The faces on facets, each with the facet's marker.
@@ -105,9 +106,9 @@ pub struct OutputMesh {
     pub edges: Vec<([u32; 2], i32)>,
 }
 
-impl OutputMesh {
+impl<'a> OutputMesh<'a> {
     /// Closes the gaps that removed vertices leave; the first `input_vertices` ids are the input's. `plc` is the domain that the mesh was made from.
-    pub fn new(mesh: &Mesh, input_vertices: usize, plc: Option<&Plc>) -> Self {
+    pub fn new(mesh: &'a Mesh, input_vertices: usize, plc: Option<&Plc>) -> Self {
         let mut new = Self::of_view(mesh.view(), input_vertices);
         let count = new.points.len();
         new.point_markers = vec![0; count];
@@ -149,18 +150,23 @@ impl OutputMesh {
         new
     }
 
-    fn of_view(view: MeshView, input_vertices: usize) -> Self {
-        let mut mesh = OutputMesh::default();
-        let numbers = numbers(view.points);
-        for (id, point) in view.points.iter().enumerate() {
-            if point.is_finite() {
-                mesh.points.push(*point);
-                mesh.steiner.push(id >= input_vertices);
-            }
+    fn of_view(view: MeshView<'a>, input_vertices: usize) -> Self {
+        let MeshView { points, tetrahedra, regions, .. } = view;
+        let ids = (0..points.len()).filter(|&id| points[id].is_finite());
+        let steiner: Vec<bool> = ids.map(|id| id >= input_vertices).collect();
+        let regions = Cow::Borrowed(regions);
+        if steiner.len() == points.len() {
+            let (points, tetrahedra) = (Cow::Borrowed(points), Cow::Borrowed(tetrahedra));
+            return OutputMesh { points, tetrahedra, steiner, regions, ..OutputMesh::default() };
         }
-        mesh.tetrahedra = view.tetrahedra.iter().map(|t| t.map(|corner| numbers[corner as usize])).collect();
-        mesh.regions = view.regions.to_vec();
-        mesh
+        let numbers = numbers(points);
+        OutputMesh {
+            points: points.iter().copied().filter(|point| point.is_finite()).collect(),
+            tetrahedra: tetrahedra.iter().map(|t| t.map(|corner| numbers[corner as usize])).collect(),
+            steiner,
+            regions,
+            ..OutputMesh::default()
+        }
     }
 }
 
@@ -222,10 +228,10 @@ mod tests {
         let view =
             MeshView { points: &points, tetrahedra: &[[0, 2, 3, 5]], neighbours: &[[u32::MAX; 4]], regions: &[3] };
         let mesh = OutputMesh::of_view(view, 3);
-        assert_eq!(mesh.points, [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]);
-        assert_eq!(mesh.tetrahedra, [[0, 1, 2, 3]]);
+        assert_eq!(*mesh.points, [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]);
+        assert_eq!(*mesh.tetrahedra, [[0, 1, 2, 3]]);
         assert_eq!(mesh.steiner, [false, false, true, true]);
-        assert_eq!(mesh.regions, [3]);
+        assert_eq!(*mesh.regions, [3]);
     }
 
     #[test]

@@ -99,10 +99,10 @@ mod tests {
     fn every_array_holds_what_it_says() {
         let points = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]].map(DVec3::from_array);
         let mesh = OutputMesh {
-            points: points.to_vec(),
-            tetrahedra: vec![[0, 2, 1, 3]],
+            points: points.to_vec().into(),
+            tetrahedra: vec![[0, 2, 1, 3]].into(),
             steiner: vec![false, false, true, false],
-            regions: vec![7],
+            regions: vec![7].into(),
             point_markers: vec![0, -3, 1, 2],
             point_kinds: vec![1, 1, 2, 0],
             ..OutputMesh::default()
@@ -129,7 +129,7 @@ mod tests {
     fn a_mesh_without_tetrahedra_is_a_whole_document() {
         let mut bytes = Vec::new();
         let mesh = OutputMesh {
-            points: vec![DVec3::ZERO],
+            points: vec![DVec3::ZERO].into(),
             steiner: vec![false],
             point_kinds: vec![1],
             point_markers: vec![0],
