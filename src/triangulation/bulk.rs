@@ -140,7 +140,13 @@ impl Triangulation {
             progress.done += 1;
             let point = self.at(vertex);
             let start = if self.is_live(hint) { hint } else { self.last };
-            let t = self.walk(point, start);
+            let t = match self.walk_within(&self.filter, point, start, progress.control) {
+                Ok(t) => t,
+                Err(error) => {
+                    self.scratch = cavity;
+                    return Err(error);
+                }
+            };
             if let Some(at) = self.vertex_at(t, point) {
                 self.last = t;
                 progress.duplicates.push((vertex, at));

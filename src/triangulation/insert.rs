@@ -292,7 +292,7 @@ impl Triangulation {
         control: &Control,
     ) -> Result<Inserted, Error> {
         let point = self.at(vertex);
-        let t = self.walk(point, start);
+        let t = self.walk_within(&self.filter, point, start, control)?;
         if let Some(at) = self.vertex_at(t, point) {
             self.last = t;
             return Ok(Inserted { vertex: at, is_new: false });
@@ -377,7 +377,8 @@ impl Triangulation {
         let mut filter = self.filter.clone();
         filter.extend(point);
         let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(&filter, start, point);
-        let t = if in_conflict { start } else { self.walk_with(&filter, point, start) };
+        let arrived = if in_conflict { Ok(start) } else { self.walk_within(&filter, point, start, control) };
+        let t = arrived.map_err(|_| Unplaced::Cancelled)?;
         if let Some(at) = self.vertex_at(t, point) {
             return Err(Unplaced::Occupied(at));
         }

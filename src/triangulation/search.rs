@@ -33,9 +33,31 @@ impl Triangulation {
     /// covered by the filter.
     #[inline]
     pub(crate) fn walk_with(&self, filter: &Filter, p: DVec3, start: u32) -> u32 {
+        let arrived = self.walk_within(filter, p, start, Control::never());
+        debug_assert!(arrived.is_ok());
+        arrived.unwrap_or(start)
+    }
+
+    /// [`walk_with`](Self::walk_with), as long as `control` does not say stop: [`Error::Cancelled`]. A walk of a million steps there is along as
+    /// many points in line.
+    #[inline]
+    pub(crate) fn walk_within(
+        &self,
+        filter: &Filter,
+        p: DVec3,
+        mut start: u32,
+        control: &Control,
+    ) -> Result<u32, Error> {
         assert!((start as usize) < self.topology.tets.len());
-        // SAFETY: `start` exists, and nothing changes the triangulation meanwhile.
-        unsafe { walk_to(Site::of(self), filter, p, start, Everywhere) }.0
+        loop {
+            // SAFETY: `start` exists, and nothing changes the triangulation meanwhile.
+            let (t, arrived) = unsafe { walk_to(Site::of(self), filter, p, start, Everywhere) };
+            if arrived {
+                return Ok(t);
+            }
+            control.check()?;
+            start = t;
+        }
     }
 
     /// Finds the cavity of `p`, starting from a tetrahedron in conflict with it. `p` must not be a vertex; the
@@ -136,7 +158,7 @@ fn splat<L: Lanes>(p: &DVec3) -> [L; 3] {
 }
 
 /// Returns the tetrahedron where the walk ended, and whether that is its goal: where it would have to cross a face with fewer than two
-/// own vertices, it stops.
+/// own vertices, it stops, and so it does after [`STEPS`], to be gone on with from there.
 ///
 /// # Safety
 /// `start` is the index of a live tetrahedron that may be read: the whole triangulation with [`Everywhere`], one with two own vertices otherwise.
@@ -153,7 +175,7 @@ unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, st
         t = tet_of(first.n[3]);
     }
     let mut open = 0b1111;
-    loop {
+    for _ in 0..STEPS {
         // SAFETY: the start, or the neighbour of a live tetrahedron.
         let tet = unsafe { site.tet(t) };
         if tet.is_ghost() {
@@ -191,6 +213,7 @@ unsafe fn walk<L: Lanes, T: Territory>(site: Site, filter: &Filter, p: DVec3, st
         // p is on the far side of the face that leads back.
         open = 0b1111 & !(1 << slot_of(face));
     }
+    (t, false)
 }
 
 /// One of the faces in `leave`, any of which leads on, that has two own vertices; `mine` are the slots with own vertices.
@@ -216,6 +239,8 @@ fn unsure_faces(filter: &Filter, corners: [&DVec3; 4], p: DVec3, unsure: u32) ->
         .sum()
 }
 
+/// Steps of a walk between two looks at the control.
+const STEPS: u32 = 1 << 14;
 /// Tetrahedra whose neighbours are looked at between two looks at the control.
 const BETWEEN_LOOKS: usize = 1 << 10;
 /// How many turns before its own the neighbours of a tetrahedron are fetched.

@@ -167,6 +167,31 @@ fn an_insertion_with_a_large_cavity_can_be_cancelled_at_every_look() {
     inserted.validate(3).unwrap();
 }
 
+/// Points in line that two others make tetrahedra of, one beside the other: from one end to the other it is as many steps.
+#[test]
+fn an_insertion_can_be_cancelled_on_a_long_walk() {
+    let mut points: Vec<DVec3> = (0..70_000).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
+    points.extend([DVec3::new(35_000.0, 1e5, 0.0), DVec3::new(35_000.0, 0.0, 1e5)]);
+    let mut t = Triangulation::new();
+    t.insert_many(&points, &Control::new()).unwrap().unwrap();
+    let end = DVec3::new(69_998.5, 0.125, 0.125);
+    let start = t.finite_at(t.topology.vertex_tet[0]);
+    let control = Control::new();
+    let looks = control.looks(None, || t.prepare(end, start, &mut Cavity::default(), &control).unwrap());
+    assert!(looks >= 4, "{looks}");
+    for last in 1..=looks {
+        let mut cavity = Cavity::default();
+        let made = control.looks(Some(last), || {
+            assert!(matches!(t.prepare(end, start, &mut cavity, &control), Err(Unplaced::Cancelled)), "look {last}")
+        });
+        assert_eq!(made, last);
+    }
+    let mut cavity = Cavity::default();
+    t.prepare(end, start, &mut cavity, &control).unwrap();
+    let vertex = t.insert_into(end, &mut cavity).unwrap();
+    assert_eq!(t.locate(end, Some(0)), crate::Location::Vertex(vertex));
+}
+
 #[test]
 fn locations() {
     use crate::Location;
