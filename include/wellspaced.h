@@ -260,7 +260,7 @@
 #define WSP_SPARSIFY_THOROUGH 3
 
 /**
- * Nothing is taken away from what stands; but instead of inserting a sample one of the two Steiner points nearest to it is moved where
+ * Nothing is taken away from what stands; but instead of inserting a sample one of two Steiner points near it is moved where
  * one place serves both, if that is found at next to no cost.
  */
 #define WSP_SPARSIFY_MOVES 4

@@ -1,8 +1,8 @@
-//! In-sphere tests of one tetrahedron with several points: the determinant relative to a corner of the tetrahedron, expanded by the row of the point, so that
-//! all but a few operations are done once. The orientation is one of its cofactors.
+//! In-sphere tests of one tetrahedron with several points: the determinant relative to a corner of the tetrahedron, expanded by the row of the
+//! point, so that all but a few operations are done once. The orientation is one of its cofactors.
 //!
-//! Its terms, and the depth of its sums, are those of [`insphere_lanes`](super::predicates::insphere_lanes), and differences of corners are no longer than the
-//! box of all points, so the filter's bounds hold; what they leave open the predicates decide.
+//! Its terms, and the depth of its sums, are those of [`insphere_lanes`](super::predicates::insphere_lanes), and differences of corners are no
+//! longer than the box of all points, so the filter's bounds hold; what they leave open the predicates decide.
 
 use glam::DVec3;
 

@@ -42,7 +42,7 @@ use forecast::{Demand, Forecast};
 pub enum Sparsify {
     /// The sampler alone: Steiner points stay where they are put.
     Off,
-    /// Nothing is taken away from what stands. But instead of inserting a sample one of the two Steiner points nearest to it is moved where one place
+    /// Nothing is taken away from what stands. But instead of inserting a sample one of two Steiner points near it, those with most room, is moved where one place
     /// serves both, if that is found at next to no cost.
     Moves,
     /// What is found at little cost: most of what can be had, in two to four times the time without.
