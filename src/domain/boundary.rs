@@ -242,6 +242,12 @@ impl Boundary {
         v.into_iter().filter(|&v| v != GHOST && self.kind(v) & ON_FACET != 0).count() >= 3
     }
 
+    /// Whether two of these vertices are on the boundary, so that a subsegment or a subfacet may join them. Far from the boundary few tetrahedra have such.
+    #[inline]
+    pub(crate) fn may_have_edge(&self, v: impl IntoIterator<Item = u32>) -> bool {
+        v.into_iter().filter(|&v| v != GHOST && self.kind(v) != 0).nth(1).is_some()
+    }
+
     /// Whether nothing but subfacets parts the domain from what is outside it.
     pub(crate) fn closes(&self, t: &Triangulation) -> bool {
         !(self.is_empty() || self.misses() || t.topology.region.is_empty())

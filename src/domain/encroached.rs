@@ -15,7 +15,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
 use crate::sorting::sort;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
+use crate::triangulation::topology::{tet_of, Tetrahedron};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
 
@@ -111,9 +111,7 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
-        // Far from the boundary most cavities have no edge between vertices on it.
-        let on_boundary = |&v: &u32| v != GHOST && self.kind(v) != 0;
-        if cavity.rim(&t.topology).filter(on_boundary).nth(1).is_none() {
+        if !self.may_have_edge(cavity.rim(&t.topology)) {
             return Ok(());
         }
         // Whether it stays: one of the faces around the cavity has it.
@@ -123,7 +121,7 @@ impl Boundary {
         for &tet in &cavity.tets {
             turns.check()?;
             let Tetrahedron { v, n } = *t.topology.tet(tet);
-            if v.iter().copied().filter(on_boundary).nth(1).is_none() {
+            if !self.may_have_edge(v) {
                 continue;
             }
             let partners = v.map(|v| self.subsegments.partners(v));

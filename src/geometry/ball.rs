@@ -23,7 +23,7 @@ impl Ball {
     pub fn of(corners: [DVec3; 4]) -> Ball {
         let [a, b, c, d] = corners;
         let (u, v, w) = (a - d, b - d, c - d);
-        let [k, l, m] = [u, v, w].map(squared);
+        let [k, l, m] = [u, v, w].map(DVec3::length_squared);
         let [xy_uv, xy_uw, xy_vw] = [minor(u.x, u.y, v.x, v.y), minor(u.x, u.y, w.x, w.y), minor(v.x, v.y, w.x, w.y)];
         let [zl_uv, zl_uw, zl_vw] = [minor(u.z, k, v.z, l), minor(u.z, k, w.z, m), minor(v.z, l, w.z, m)];
         let minors = [
@@ -53,7 +53,7 @@ impl Ball {
     #[inline]
     pub fn conflicts(&self, filter: &Filter, p: DVec3) -> bool {
         let (e, [yzl, xzl, xyl, xyz]) = (p - self.corners[3], self.minors);
-        let det = (squared(e) * xyz - e.z * xyl) + (e.y * xzl - e.x * yzl);
+        let det = (e.length_squared() * xyz - e.z * xyl) + (e.y * xzl - e.x * yzl);
         let bound = filter.insphere_bound();
         if det > bound {
             return true;
@@ -63,11 +63,6 @@ impl Ball {
         }
         in_conflict(filter, self.corners, p)
     }
-}
-
-#[inline]
-fn squared(v: DVec3) -> f64 {
-    v.x * v.x + v.y * v.y + v.z * v.z
 }
 
 #[inline]

@@ -263,7 +263,7 @@ impl Refiner<'_> {
             turns.check()?;
             let squared = self.t.at(v).distance_squared(p);
             Ok(if squared < least { squared } else { least })
-        })?;
-        Ok::<f64, Error>(least.sqrt())
+        });
+        least.map(f64::sqrt)
     }
 }

@@ -2,14 +2,14 @@
 
 use super::search::Found;
 use super::{Demand, Sparsifier};
-use crate::domain::boundary::{edge_key, face_key};
+use crate::domain::boundary::face_key;
 use crate::domain::label::OUTSIDE;
 use crate::domain::{Boundary, Carrier};
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::{four_exceed_radius_edge, in_fours, EDGES};
-use crate::triangulation::remove::{Coming, Hole, Replacement, ADDED};
-use crate::triangulation::topology::{Tetrahedron, GHOST};
+use crate::triangulation::remove::{Hole, Replacement, ADDED};
+use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{DVec3, Error};
 
@@ -79,25 +79,23 @@ impl Sparsifier {
     /// Whether what comes keeps the bound, but for what `demand` leaves for later, and has no edge that is too short.
     fn keeps_bound(&self, t: &Triangulation, boundary: &Boundary, demand: Demand) -> bool {
         let Hole { coming, .. } = &self.hole;
-        let counts = |coming: &Coming| coming.v[3] != GHOST && coming.label != Some(OUTSIDE);
-        let added = self.hole.point().unwrap_or(DVec3::NAN);
-        let at = |v: u32| if v == ADDED { &added } else { &t.points()[v as usize] };
-        let near = |coming: &Coming| {
-            coming.v.contains(&ADDED) && coming.v.iter().any(|&v| v != ADDED && at(v).distance(added) < self.min_edge)
-        };
-        let mut all = in_fours((0..coming.len() as u32).filter(|&i| counts(&coming[i as usize])));
-        all.all(|(four, count)| {
-            let tets = four.map(|i| &coming[i as usize]);
-            let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|tet| tet.v.map(at)), self.radius_edge);
-            (0..count).all(|i| {
-                let may_stay = || {
-                    let length2 = |[i, j]: [usize; 2], v: [u32; 4]| at(v[i]).distance_squared(*at(v[j]));
-                    let is_shortest = |&&pair: &&[usize; 2]| length2(pair, tets[i].v) == shortest[i];
-                    let Some(pair) = EDGES.iter().find(is_shortest) else { return false };
-                    let edge = pair.map(|slot| tets[i].v[slot]);
-                    shortest[i] > demand.level2 && (edge.contains(&ADDED) || !boundary.is_seditious(t, edge))
-                };
-                !near(tets[i]) && (exceed >> i & 1 == 0 || may_stay())
+        let counts = |&i: &u32| coming[i as usize].v[3] != GHOST && coming[i as usize].label != Some(OUTSIDE);
+        let at = |v: u32| t.coming_point(&self.hole, v);
+        let is_short = |&v: &u32| v != ADDED && at(v).distance(*at(ADDED)) < self.min_edge;
+        in_fours((0..coming.len() as u32).filter(counts)).all(|(four, count)| {
+            let tets = four.map(|i| coming[i as usize].v);
+            let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|v| v.map(at)), self.radius_edge);
+            tets.into_iter().enumerate().take(count).all(|(i, v)| {
+                if v.contains(&ADDED) && v.iter().any(is_short) {
+                    return false;
+                }
+                if exceed >> i & 1 == 0 {
+                    return true;
+                }
+                let is_shortest = |[a, b]: &[u32; 2]| at(*a).distance_squared(*at(*b)) == shortest[i];
+                let mut edges = EDGES.iter().map(|pair| pair.map(|slot| v[slot]));
+                let Some(edge) = edges.find(is_shortest) else { return false };
+                shortest[i] > demand.level2 && (edge.contains(&ADDED) || !boundary.is_seditious(t, edge))
             })
         })
     }
@@ -122,35 +120,28 @@ fn is_edge(hole: &Hole, edge: [u32; 2], named: impl Fn(u32) -> u32) -> bool {
     })
 }
 
-/// The tetrahedra that go which have an edge between vertices on the boundary, by their vertices: few.
-fn at_boundary<'a>(
-    t: &'a Triangulation,
-    boundary: &'a Boundary,
-    hole: &'a Hole,
-) -> impl Iterator<Item = Tetrahedron> + 'a {
-    let on = |&v: &u32| v != GHOST && boundary.kind(v) != 0;
-    let tets = hole.going.iter().map(|going| *t.topology.tet(going.t));
-    tets.filter(move |tet| tet.v.into_iter().filter(on).nth(1).is_some())
+/// The tetrahedra that go which have an edge between vertices on the boundary: few.
+fn at_boundary<'a>(t: &'a Triangulation, boundary: &'a Boundary, hole: &'a Hole) -> impl Iterator<Item = u32> + 'a {
+    hole.going.iter().map(|going| going.t).filter(|&tet| boundary.may_have_edge(t.topology.tet(tet).v))
 }
 
 /// The subfacets of a tetrahedron.
-fn walls(boundary: &Boundary, tet: Tetrahedron) -> impl Iterator<Item = [u32; 3]> + '_ {
+fn walls<'a>(t: &'a Triangulation, boundary: &'a Boundary, tet: u32) -> impl Iterator<Item = [u32; 3]> + 'a {
+    let tet = t.topology.tet(tet);
     let slots = if boundary.may_have_wall(tet.v) { 0..4 } else { 0..0 };
-    slots.map(move |slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some())
+    slots.map(|slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some())
 }
 
 /// And its subsegments.
-fn subsegments(boundary: &Boundary, tet: Tetrahedron) -> impl Iterator<Item = [u32; 2]> + '_ {
-    let on = |v: u32| v != GHOST && boundary.kind(v) != 0;
-    let edges = EDGES.iter().map(move |&[i, j]| [tet.v[i], tet.v[j]]);
-    edges.filter(move |&[a, b]| on(a) && on(b) && boundary.is_subsegment(edge_key([a, b])))
+fn subsegments<'a>(t: &'a Triangulation, boundary: &'a Boundary, tet: u32) -> impl Iterator<Item = [u32; 2]> + 'a {
+    EDGES.iter().filter_map(move |&pair| boundary.subsegment_at(t, tet, pair))
 }
 
 /// Whether what is left of the boundary in the hole is there when it is filled.
 fn keeps_boundary(t: &Triangulation, boundary: &Boundary, hole: &Hole, named: impl Fn(u32) -> u32 + Copy) -> bool {
     at_boundary(t, boundary, hole).all(|tet| {
-        walls(boundary, tet).all(|face| is_face(hole, face_key(face), named))
-            && subsegments(boundary, tet).all(|edge| is_edge(hole, edge, named))
+        walls(t, boundary, tet).all(|face| is_face(hole, face_key(face), named))
+            && subsegments(t, boundary, tet).all(|edge| is_edge(hole, edge, named))
     })
 }
 
@@ -159,7 +150,7 @@ fn is_clear(t: &Triangulation, boundary: &Boundary, hole: &Hole) -> bool {
     let Some(p) = hole.point() else { return true };
     let at = |v: u32| -> DVec3 { t.at(v) };
     at_boundary(t, boundary, hole).all(|tet| {
-        walls(boundary, tet).all(|face| !encroaches_facet(face.map(at), p))
-            && subsegments(boundary, tet).all(|edge| !encroaches_segment(edge.map(at), p))
+        walls(t, boundary, tet).all(|face| !encroaches_facet(face.map(at), p))
+            && subsegments(t, boundary, tet).all(|edge| !encroaches_segment(edge.map(at), p))
     })
 }

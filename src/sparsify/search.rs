@@ -78,7 +78,7 @@ impl Sparsifier {
         self.near.clear();
         for i in 0..self.alone.going().len() {
             for w in t.topology.tet(self.alone.going()[i]).v {
-                if w != v && !self.near.iter().any(|n| n.v == w) {
+                if w != v {
                     self.consider(t, boundary, w, t.at(v), limit, while_refining);
                 }
             }
@@ -111,9 +111,7 @@ impl Sparsifier {
         let limit = self.reach(demand);
         self.near.clear();
         for w in cavity.rim(&t.topology) {
-            if w >= self.first && !self.near.iter().any(|n| n.v == w) {
-                self.consider(t, boundary, w, p, limit, true);
-            }
+            self.consider(t, boundary, w, p, limit, true);
         }
         if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.effort.alone) {
             return None;
@@ -126,13 +124,13 @@ impl Sparsifier {
         self.effort.reach * self.radius_edge * demand.level2.sqrt()
     }
 
-    /// Puts `w` among the neighbours of `p` that are worth a try if it is.
+    /// Puts `w` among the neighbours of `p` that are worth a try if it is, once.
     fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, only_free: bool) {
         if w < self.first || w == GHOST || only_free && boundary.kind(w) != 0 {
             return;
         }
         let distance = t.at(w).distance(p);
-        if distance <= limit {
+        if distance <= limit && !self.near.iter().any(|n| n.v == w) {
             self.near.push(Candidate { v: w, distance, spacing: 0.0 });
         }
     }

@@ -122,44 +122,38 @@ impl Triangulation {
         progress: &mut Progress,
     ) -> Result<bool, Error> {
         let mut cavity = std::mem::take(&mut self.scratch);
-        if let Err(error) = cavity.reserve(self.topology.tets.capacity(), self.points.len(), progress.control) {
-            self.scratch = cavity;
-            return Err(error);
-        }
+        let result = self.insert_each(vertices, &mut cavity, progress);
+        self.scratch = cavity;
+        result
+    }
+
+    fn insert_each(
+        &mut self,
+        vertices: impl Iterator<Item = (u32, u32)>,
+        cavity: &mut Cavity,
+        progress: &mut Progress,
+    ) -> Result<bool, Error> {
+        cavity.reserve(self.topology.tets.capacity(), self.points.len(), progress.control)?;
         for (turn, (vertex, hint)) in vertices.enumerate() {
             // A cancellation from another thread is seen at once.
             let goes_on = if turn % POLL_INTERVAL == 0 { progress.report(0) } else { progress.control.poll() };
             if !goes_on {
-                self.scratch = cavity;
                 return Ok(false);
             }
-            if let Err(error) = self.tetrahedra_ahead(&mut cavity, progress.control) {
-                self.scratch = cavity;
-                return Err(error);
-            }
+            self.tetrahedra_ahead(cavity, progress.control)?;
             progress.done += 1;
             let point = self.at(vertex);
             let start = if self.is_live(hint) { hint } else { self.last };
-            let t = match self.walk_within(&self.filter, point, start, progress.control) {
-                Ok(t) => t,
-                Err(error) => {
-                    self.scratch = cavity;
-                    return Err(error);
-                }
-            };
+            let t = self.walk_within(&self.filter, point, start, progress.control)?;
             if let Some(at) = self.vertex_at(t, point) {
                 self.last = t;
                 progress.duplicates.push((vertex, at));
                 continue;
             }
-            let found = self.find_cavity(&self.filter, point, t, &mut cavity, progress.control);
-            let planned = found.and_then(|()| self.plan(&mut cavity, progress.control));
-            if let Err(error) = planned.and_then(|()| self.commit(vertex, &mut cavity, false)) {
-                self.scratch = cavity;
-                return Err(error);
-            }
+            self.find_cavity(&self.filter, point, t, cavity, progress.control)?;
+            self.plan(cavity, progress.control)?;
+            self.commit(vertex, cavity, false)?;
         }
-        self.scratch = cavity;
         Ok(true)
     }
 

@@ -498,11 +498,16 @@ impl Triangulation {
 
     /// The corners of a tetrahedron that would come; none of a ghost.
     pub fn coming_corners(&self, hole: &Hole, coming: &Coming) -> Option<[DVec3; 4]> {
-        let at = |v: u32| match hole.add {
+        (coming.v[3] != GHOST).then(|| coming.v.map(|v| *self.coming_point(hole, v)))
+    }
+
+    /// Where a vertex of what would come is, [`ADDED`] too.
+    #[inline]
+    pub(crate) fn coming_point<'a>(&'a self, hole: &'a Hole, v: u32) -> &'a DVec3 {
+        match &hole.add {
             Some(p) if v == ADDED => p,
-            _ => self.at(v),
-        };
-        (coming.v[3] != GHOST).then(|| coming.v.map(at))
+            _ => &self.points[v as usize],
+        }
     }
 
     /// Does what the last [`preview`](Self::preview) in `hole` found. Returns the new point's vertex. After an error nothing has changed;

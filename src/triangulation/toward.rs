@@ -24,7 +24,7 @@ enum Toward {
 
 impl Triangulation {
     /// A tetrahedron with both vertices, and their slots in it; `None` when no edge joins them.
-    pub fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
+    pub(crate) fn find_edge(&self, p: u32, q: u32) -> Option<(u32, usize, usize)> {
         match self.toward(p, q) {
             Toward::Reached(t) => {
                 let tet = self.topology.tet(t);
@@ -36,7 +36,7 @@ impl Triangulation {
     }
 
     /// A handle of the face with these vertices, from one of its two sides; `None` when they span no face.
-    pub fn find_face(&self, face: [u32; 3]) -> Option<u32> {
+    pub(crate) fn find_face(&self, face: [u32; 3]) -> Option<u32> {
         let [p, q, r] = face;
         match self.toward(p, q) {
             Toward::Reached(t) => {

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, NONE, RIM, WALL};
+use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, RIM, WALL};
 use crate::domain::Boundary;
 use crate::geometry::quality::EDGES;
 use crate::memory;
@@ -45,8 +45,8 @@ impl Forecast {
         cavity.tets.len() > 2 * MAX_VERTICES
     }
 
-    /// Takes the cavity of a point that is not inserted as what would fill its hole. False when it is too large, or not free of walls, and when it has no
-    /// obstacles, or more than `most`.
+    /// Takes the cavity of a point that is not inserted, and not [too large](Self::is_too_large), as what would fill its hole. False when it is not free
+    /// of walls, and when it has no obstacles, or more than `most`.
     pub fn take_cavity(
         &mut self,
         t: &Triangulation,
@@ -55,10 +55,8 @@ impl Forecast {
         demand: Demand,
         most: usize,
     ) -> bool {
+        debug_assert!(!Forecast::is_too_large(cavity));
         self.begin(t, p);
-        if Forecast::is_too_large(cavity) {
-            return false;
-        }
         let closed = boundary.closes(t);
         for (i, &id) in cavity.tets.iter().enumerate() {
             // Of a cavity that no wall parts all is inside, or nothing.
@@ -129,10 +127,7 @@ impl Forecast {
         demand: Demand,
         most: usize,
     ) -> bool {
-        let number = known.number.get(w as usize).copied().unwrap_or(NONE);
-        if number == NONE {
-            return false;
-        }
+        let Some(number) = known.number_in_hole(w) else { return false };
         if known.lent && self.borrowed {
             for &id in &self.star {
                 self.marks[id as usize] &= KNOWN;

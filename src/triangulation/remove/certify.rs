@@ -3,8 +3,6 @@
 //! match each other's and the hole's one to one, fill the hole; and when no face has the vertex beyond it in the sphere of the tetrahedron before it, after
 //! perturbation, the whole is the Delaunay triangulation, of which there is but one.
 
-use glam::DVec3;
-
 use super::faces::{oriented_face, rotated};
 use super::{Coming, Hole, Replacement, ADDED, REMOVED};
 use crate::geometry::ball::Ball;
@@ -67,14 +65,9 @@ impl Triangulation {
         if let Some(p) = hole.add {
             filter.extend(p);
         }
-        let at = |v: u32| -> DVec3 {
-            match hole.add {
-                Some(p) if v == ADDED => p,
-                _ => self.at(v),
-            }
-        };
         hole.coming.iter().zip(0u32..).all(|(tet, i)| {
-            let ball = Ball::of(tet.v.map(at));
+            let Some(corners) = self.coming_corners(hole, tet) else { return false };
+            let ball = Ball::of(corners);
             ball.orientation(&filter) == Sign::Positive
                 && (0..4).all(|slot| {
                     let n = tet.n[slot];
@@ -92,7 +85,7 @@ impl Triangulation {
                     } else {
                         hole.coming[tet_of(n) as usize].v[slot_of(n)]
                     };
-                    !ball.conflicts(&filter, at(beyond))
+                    !ball.conflicts(&filter, *self.coming_point(hole, beyond))
                 })
         })
     }
@@ -174,7 +167,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::Control;
+    use crate::{Control, DVec3};
 
     fn points() -> impl Strategy<Value = Vec<DVec3>> {
         let real = (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z): (f64, f64, f64)| DVec3::new(x, y, z));
