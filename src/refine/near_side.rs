@@ -1,7 +1,8 @@
 //! What a sample meets on the near side of the boundary: a look at its cavity as far as subfacets let see from the bad tetrahedron.
 //!
 //! Where the boundary is coarse, samples often lie beyond it, or take a piece of it out. Then it is split, and of the cavity only the part on this side
-//! tells where. The other part may be far larger: outside a domain tetrahedra are long, and many are cospherical.
+//! tells where. The other part may be far larger: outside a domain tetrahedra are long, and many are cospherical. Beyond a side of a box a sample is in conflict
+//! with every ghost there.
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -12,9 +13,8 @@ use super::Unrefined;
 use crate::domain::pending::Demand;
 use crate::domain::Boundary;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
-use crate::geometry::predicates::orient3d;
 use crate::geometry::quality::EDGES;
-use crate::geometry::Sign;
+use crate::geometry::{Filter, Sign};
 use crate::triangulation::topology::{tet_of, GHOST, NONE};
 use crate::triangulation::Triangulation;
 
@@ -38,20 +38,24 @@ impl Refiner<'_> {
         let (t, boundary) = (&**t, &**boundary);
         let on_boundary = |&v: &u32| v != GHOST && boundary.kind(v) != 0;
         let corners = t.topology.tet(start).v;
-        if !corners.iter().any(on_boundary) || !is_beyond((t, boundary), start, p) {
+        let mut filter = t.filter.clone();
+        filter.extend(p);
+        // Away from the boundary few samples are beyond it, and the quick walk, which knows no walls, shows most of the others.
+        if !corners.iter().any(on_boundary) {
+            let end = t.walk_within(&filter, p, start, &self.control).ok()?;
+            if !t.topology.tet(end).is_ghost() && t.topology.same_label(start, end) {
+                return None;
+            }
+        }
+        if !is_beyond((t, boundary), &filter, start, p) {
             return None;
         }
         let NearSide { known, tets } = near_side;
         known.clear();
         tets.clear();
         encroached.clear();
-        let mut filter = t.filter.clone();
-        filter.extend(p);
         let mut conflicts = |tet: u32| *known.entry(tet).or_insert_with(|| t.conflicts(&filter, tet, p));
-        if !conflicts(start) {
-            return None;
-        }
-        tets.push(start);
+        tets.push(at_edge(t, self.mended, start, &mut conflicts)?);
         let (mut next, mut takes, mut obstacle) = (0, false, None);
         // Whether an element is an obstacle: the sample would take it out, and it can't be split.
         let mut stays = |element: Element, goes: bool| {
@@ -117,8 +121,18 @@ impl Refiner<'_> {
     }
 }
 
+/// A tetrahedron in conflict with a sample for an edge: the bad one, or else one beside it at that edge, for the sample mends the edge's widest component.
+fn at_edge(t: &Triangulation, edge: [u32; 2], start: u32, mut conflicts: impl FnMut(u32) -> bool) -> Option<u32> {
+    if conflicts(start) {
+        return Some(start);
+    }
+    let tet = t.topology.tet(start);
+    let [i, j] = [tet.slot(edge[0])?, tet.slot(edge[1])?];
+    t.topology.around_edge(start, i, j).map(|(around, _, _)| around).take(LARGE).find(|&around| conflicts(around))
+}
+
 /// Whether a walk from a tetrahedron to `p` ends at a subfacet: there is no face but subfacets beyond which `p` lies.
-fn is_beyond((t, boundary): (&Triangulation, &Boundary), start: u32, p: DVec3) -> bool {
+fn is_beyond((t, boundary): (&Triangulation, &Boundary), filter: &Filter, start: u32, p: DVec3) -> bool {
     /// Near samples are some steps away.
     const STEPS: usize = 64;
     let (mut tet, mut from) = (start, NONE);
@@ -133,7 +147,7 @@ fn is_beyond((t, boundary): (&Triangulation, &Boundary), start: u32, p: DVec3) -
             let mut moved = corners;
             moved[slot] = p;
             let [a, b, c, d] = moved;
-            if across == from || orient3d(a, b, c, d) != Sign::Negative {
+            if across == from || filter.orient3d(a, b, c, d) != Sign::Negative {
                 continue;
             }
             if boundary.subfacet_at(t, tet, slot).is_some() {
@@ -150,4 +164,63 @@ fn is_beyond((t, boundary): (&Triangulation, &Boundary), start: u32, p: DVec3) -
         }
     }
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::boundary::Encroached;
+    use crate::geometry::flush_tiny;
+    use crate::geometry::quality::exceeds_radius_edge;
+    use crate::refine::queue::shortest_edge;
+    use crate::triangulation::cavity::Cavity;
+    use crate::{Control, Mesh, Plc, RefineOptions};
+
+    /// Points up to the sides of a box, which are two triangles each: nearly all samples near a side lie beyond it.
+    #[test]
+    fn what_is_met_from_anywhere_is_what_the_whole_cavity_meets() {
+        let mut state = 5u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let points: Vec<DVec3> = (0..400).map(|_| DVec3::new(next(), next(), next())).collect();
+        let mut mesh = Mesh::from_plc(&Plc::boxed(DVec3::NEG_ONE, DVec3::ONE, points), &Control::new()).unwrap();
+        let (t, boundary) = mesh.parts();
+        let mut refiner = Refiner::new(t, boundary.unwrap(), &RefineOptions::default());
+        refiner.boundary.lazy = true;
+        refiner.boundary.forget_waiting();
+        let all: Vec<u32> = refiner.t.topology.live().filter(|&tet| refiner.t.is_inside(tet)).collect();
+        let (mut cavity, mut found) = (Cavity::default(), Encroached::default());
+        let (mut met, mut away, mut beside) = (0, 0, 0);
+        for tet in all {
+            if !exceeds_radius_edge(refiner.t.corners(tet), 1.5) {
+                continue;
+            }
+            let v = refiner.t.topology.tet(tet).v;
+            let [i, j] = shortest_edge(refiner.t, tet).0;
+            let p = flush_tiny(refiner.sample(tet, [i, j]).points[0]);
+            refiner.mended = [v[i], v[j]];
+            let filter = {
+                let mut filter = refiner.t.filter.clone();
+                filter.extend(p);
+                filter
+            };
+            if refiner.meets_wall(p, tet, Demand::NONE).is_none() {
+                continue;
+            }
+            met += 1;
+            away += usize::from(v.iter().all(|&v| refiner.boundary.kind(v) == 0));
+            beside += usize::from(!refiner.t.conflicts(&filter, tet, p));
+            refiner.t.prepare(p, tet, &mut cavity, Control::never()).unwrap();
+            refiner.boundary.encroached_by(refiner.t, p, &cavity, &mut found, Control::never()).unwrap();
+            for (edge, _) in refiner.boundary.pending_segments.drain(..) {
+                assert!(found.segments.contains(&edge) || found.lost_segments.contains(&edge));
+            }
+            for (face, _) in refiner.boundary.pending_facets.drain(..) {
+                assert!(found.facets.contains(&face) || found.lost_facets.contains(&face));
+            }
+        }
+        assert!(met > 20 && away > 0 && beside > 0, "{met} {away} {beside}");
+    }
 }

@@ -393,7 +393,7 @@ impl<'a> Refiner<'a> {
     }
 
     /// The samples for a bad tetrahedron.
-    fn sample(&mut self, tet: u32, [i, j]: [usize; 2]) -> Samples {
+    pub(super) fn sample(&mut self, tet: u32, [i, j]: [usize; 2]) -> Samples {
         // Rounding must not depend on how a tetrahedron is stored: lower vertices first.
         let v = self.t.topology.tet(tet).v;
         let edge = edge_key([v[i], v[j]]);

@@ -121,8 +121,14 @@ impl Topology {
     /// Whether the labels on the two sides of a face differ, that opposite a slot. Not where there are none.
     #[inline]
     pub fn labels_differ(&self, t: u32, slot: usize) -> bool {
+        !self.same_label(t, tet_of(self.tet(t).n[slot]))
+    }
+
+    /// Whether two tetrahedra have the same label, or there are none.
+    #[inline]
+    pub fn same_label(&self, a: u32, b: u32) -> bool {
         let label = |t: u32| self.region.get(t as usize);
-        label(t) != label(tet_of(self.tet(t).n[slot]))
+        label(a) == label(b)
     }
 
     /// Asks for a tetrahedron before it is needed.
