@@ -261,7 +261,8 @@
 
 /**
  * Nothing is taken away from what stands; but instead of inserting a sample one of two Steiner points near it is moved where
- * one place serves both, if that is found at next to no cost.
+ * one place serves both, if that is found at next to no cost; and a point that splits
+ * a segment or facet is made one with a neighbour.
  */
 #define WSP_SPARSIFY_MOVES 4
 

@@ -56,7 +56,18 @@ fn delaunay(points: &[DVec3], threads: usize) -> Mesh {
 }
 
 fn refined(points: &[DVec3], threads: usize, radius_edge: f64, rule: Rule, sparsify: Sparsify) -> Mesh {
-    let plc = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(2.0), points.iter().copied());
+    refined_in([DVec3::splat(-1.0), DVec3::splat(2.0)], points, threads, radius_edge, rule, sparsify)
+}
+
+fn refined_in(
+    [low, high]: [DVec3; 2],
+    points: &[DVec3],
+    threads: usize,
+    radius_edge: f64,
+    rule: Rule,
+    sparsify: Sparsify,
+) -> Mesh {
+    let plc = Plc::boxed(low, high, points.iter().copied());
     let mut mesh = Mesh::from_plc_on(threads, &plc, &Control::new()).unwrap();
     let options = RefineOptions { radius_edge, rule, sparsify: Some(sparsify), ..RefineOptions::default() };
     mesh.refine(&options, &Control::new()).unwrap();
@@ -93,6 +104,11 @@ fn mesh(name: &str, threads: usize) -> Mesh {
             mesh
         }
         "sparse" => refined(&scattered(1000), threads, 2.0, Rule::Sparse, Sparsify::Quick),
+        // Points up to the sides of their box: most Steiner points are on the boundary.
+        "full" => {
+            let unit = [DVec3::ZERO, DVec3::ONE];
+            refined_in(unit, &scattered(1000), threads, 1.5, Rule::Sparse, Sparsify::Moves)
+        }
         "thorough" => refined(&scattered(300), threads, 1.5, Rule::Sparse, Sparsify::Thorough),
         "paper" => refined(&scattered(1000), threads, 2.0, Rule::Paper, Sparsify::Off),
         "circumcenter" => refined(&scattered(1000), threads, 1.5, Rule::Circumcenter, Sparsify::Off),
@@ -101,8 +117,9 @@ fn mesh(name: &str, threads: usize) -> Mesh {
 }
 
 #[rustfmt::skip]
-const NAMES: [&str; 12] = [
-    "scattered", "many", "grid", "tenths", "duplicates", "sphere", "flat", "removed", "sparse", "thorough", "paper", "circumcenter",
+const NAMES: [&str; 13] = [
+    "scattered", "many", "grid", "tenths", "duplicates", "sphere", "flat", "removed", "sparse", "full", "thorough", "paper",
+    "circumcenter",
 ];
 
 #[test]

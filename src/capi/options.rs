@@ -30,7 +30,8 @@ pub const WSP_SPARSIFY_QUICK: u32 = 2;
 /// More is tried: three to five times the time, for about a tenth fewer Steiner points.
 pub const WSP_SPARSIFY_THOROUGH: u32 = 3;
 /// Nothing is taken away from what stands; but instead of inserting a sample one of two Steiner points near it is moved where
-/// one place serves both, if that is found at next to no cost.
+/// one place serves both, if that is found at next to no cost; and a point that splits
+/// a segment or facet is made one with a neighbour.
 pub const WSP_SPARSIFY_MOVES: u32 = 4;
 
 pub(super) fn sparsify(value: wsp_sparsify) -> Result<Option<Sparsify>, Failure> {

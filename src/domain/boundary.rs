@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 
 use super::acute::Carrier;
+use super::blocked::Blocked;
 pub use super::encroached::Encroached;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
@@ -103,10 +104,8 @@ pub struct Boundary {
     /// Encroached subsegments, to be split; those that are gone by their turn are passed over.
     pub(crate) pending_segments: VecDeque<([u32; 2], Demand)>,
     pub(crate) pending_facets: VecDeque<([u32; 3], Demand)>,
-    /// Elements whose split was refused, with the length of the shortest edge that it would have made: it can be asked for by something
-    /// that is content with such edges. −1 when it can't be at all.
-    pub(crate) blocked_segments: PartedMap<[u32; 2], f64>,
-    pub(crate) blocked_facets: PartedMap<[u32; 3], f64>,
+    /// Elements whose split was refused.
+    pub(crate) blocked: Blocked,
     /// While the boundary is being recovered only what is missing is split, not what is encroached.
     pub(crate) recovering: bool,
     /// Each subfacet lies between tetrahedra with different labels.
@@ -143,6 +142,14 @@ impl Boundary {
 
     /// Forgets what is known of a vertex: its id has another one now.
     pub(crate) fn unmark(&mut self, v: u32) {
+        if self.kind(v) != 0 {
+            self.blocked.leave(v);
+        }
+        self.forget(v);
+    }
+
+    /// Forgets what a vertex lies on.
+    pub(super) fn forget(&mut self, v: u32) {
         if let Some(kind) = self.kinds.get_mut(v as usize) {
             *kind = 0;
         }
@@ -372,8 +379,8 @@ impl Boundary {
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued. Nothing has
     /// changed when the control says stop.
     pub(crate) fn unblock(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let mut segments = self.blocked_segments.sorted_keys(control)?;
-        let mut facets = self.blocked_facets.sorted_keys(control)?;
+        let mut segments = self.blocked.segments(control)?;
+        let mut facets = self.blocked.facets(control)?;
         let encroached = State::Encroached;
         let turns = control.turns();
         segments.retain(|e| {
@@ -382,15 +389,13 @@ impl Boundary {
         facets.retain(|f| turns.go_on() && self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
         turns.end()?;
         self.enqueue_first(t, &segments, &facets, control)?;
-        self.blocked_segments.clear();
-        self.blocked_facets.clear();
+        self.blocked.clear();
         Ok(())
     }
 
     /// Forgets what waits to be split and what could not be, for a refinement that goes by samples alone. Another one has to look for it anew.
     pub(crate) fn forget_waiting(&mut self) {
-        self.blocked_segments.clear();
-        self.blocked_facets.clear();
+        self.blocked.clear();
         self.pending_segments.clear();
         self.pending_facets.clear();
         self.relaxed = true;
@@ -598,8 +603,7 @@ impl Boundary {
         copy.missing_facets = memory::copied_queue(&self.missing_facets, WHAT, control)?;
         copy.pending_segments = memory::copied_queue(&self.pending_segments, WHAT, control)?;
         copy.pending_facets = memory::copied_queue(&self.pending_facets, WHAT, control)?;
-        copy.blocked_segments = self.blocked_segments.try_clone(control)?;
-        copy.blocked_facets = self.blocked_facets.try_clone(control)?;
+        copy.blocked = self.blocked.try_clone(control)?;
         copy.sharp_segments = memory::copied(&self.sharp_segments, WHAT, control)?;
         copy.shortest_at = self.shortest_at.try_clone(control)?;
         copy.room_at = self.room_at.try_clone(control)?;
@@ -632,11 +636,8 @@ impl Leavings for Boundary {
         if pending_segments.give_back() || pending_facets.give_back() {
             return true;
         }
-        let Boundary { blocked_segments, blocked_facets, shortest_at, room_at, sharpness, .. } = self;
-        if blocked_segments.give_back() || blocked_facets.give_back() {
-            return true;
-        }
-        if shortest_at.give_back() || room_at.give_back() || sharpness.give_back() {
+        let Boundary { blocked, shortest_at, room_at, sharpness, .. } = self;
+        if blocked.give_back() || shortest_at.give_back() || room_at.give_back() || sharpness.give_back() {
             return true;
         }
         // A facet may have very many triangles.

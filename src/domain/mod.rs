@@ -17,6 +17,7 @@
 //! | `acute` | small input angles |
 //! | `protect` | where subfacets are split near them |
 //! | [`pending`] | what is demanded of a split |
+//! | `blocked` | which elements could not be split |
 //! | `sector` | an edge's link on one side of the boundary |
 //! | `label` | which tetrahedra lie in the domain |
 //! | `validate` | the invariants, checked |
@@ -25,6 +26,7 @@
 //! or subfacet that is missing from the triangulation, or encroached, is split.
 
 pub(crate) mod acute;
+mod blocked;
 pub mod boundary;
 mod build;
 pub mod check;

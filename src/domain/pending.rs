@@ -88,13 +88,13 @@ impl Boundary {
 
     /// Whether a subsegment exists and its split is not known to miss the demand.
     pub(crate) fn waits_segment(&self, edge: [u32; 2], demand: Demand) -> bool {
-        let blocked = |&reach: &f64| reach < self.demanded(demand, &edge);
-        self.subsegments.contains_key(&edge) && !self.blocked_segments.get(&edge).is_some_and(blocked)
+        let blocked = |reach: f64| reach < self.demanded(demand, &edge);
+        self.subsegments.contains_key(&edge) && !self.blocked.reach_of_segment(edge).is_some_and(blocked)
     }
 
     /// Whether a subfacet exists and its split is not known to miss the demand.
     pub(crate) fn waits_facet(&self, face: [u32; 3], demand: Demand) -> bool {
-        let blocked = |&reach: &f64| reach < self.demanded(demand, &face);
-        self.subfacets.contains_key(&face) && !self.blocked_facets.get(&face).is_some_and(blocked)
+        let blocked = |reach: f64| reach < self.demanded(demand, &face);
+        self.subfacets.contains_key(&face) && !self.blocked.reach_of_facet(face).is_some_and(blocked)
     }
 }

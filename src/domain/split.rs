@@ -186,8 +186,10 @@ impl Boundary {
                 None => self.subfacets.remove(&face),
             };
         }
-        self.unmark(vertex);
-        if before.kind != 0 {
+        if before.kind == 0 {
+            self.unmark(vertex);
+        } else {
+            self.forget(vertex);
             self.mark(vertex, before.kind);
             self.carry(vertex, before.carrier);
         }

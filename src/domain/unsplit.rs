@@ -328,8 +328,7 @@ impl Boundary {
         segments.retain_mut(|(key, _)| turns.go_on() && edge(*key).map(|new| *key = new).is_some());
         facets.retain_mut(|(key, _)| turns.go_on() && face(*key).map(|new| *key = new).is_some());
         turns.end()?;
-        self.blocked_segments.rekey(control, |key, _| edge(key))?;
-        self.blocked_facets.rekey(control, |key, _| face(key))
+        self.blocked.rekey(control, edge, face)
     }
 
     /// Takes a change of the boundary back.

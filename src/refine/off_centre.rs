@@ -31,6 +31,7 @@ impl Refiner<'_> {
     ) -> Result<Option<DVec3>, Error> {
         let Some((sample, clearance)) = self.given_way.take() else { return Ok(None) };
         let Some(start) = self.t.face_tetrahedron(face) else { return Ok(None) };
+        let corners = face.map(|v| self.t.at(v));
         let [a, b, c] = self.boundary.in_plane(self.t, face);
         // Made of the sides, so that on a plane of constant x, y or z it lies exactly.
         let (u, v, w) = (b - a, c - a, sample - a);
@@ -42,7 +43,9 @@ impl Refiner<'_> {
         let mut best = None;
         for share in SHARES {
             let p = flush_tiny(center + (foot - center) * share);
-            if p.distance_squared(center) >= a.distance_squared(center) {
+            // No place has more room than to a corner.
+            let corner = corners.map(|corner| corner.distance_squared(p)).into_iter().fold(f64::INFINITY, f64::min);
+            if p.distance_squared(center) >= a.distance_squared(center) || corner.sqrt() <= widest {
                 continue;
             }
             if let Some(room) = self.room_on_facet(p, (face, start), demand)?.filter(|&room| room > widest) {
@@ -67,7 +70,7 @@ impl Refiner<'_> {
         }
         let room = self.rim_distance(p)?;
         self.find_encroached(p)?;
-        self.cavity.clear();
+        self.ready = Some((p, room));
         let waits = self.encroached.segments.iter().any(|&s| self.can_ask(s, demand));
         Ok((!waits).then_some(room))
     }

@@ -95,6 +95,9 @@ pub struct Refiner<'a> {
     /// The sample that a boundary element is to be split for at once, and its distance from the nearest vertex, if places beside the element's centre
     /// are to be tried.
     pub(super) given_way: Option<(DVec3, f64)>,
+    /// The point whose cavity that is and what it encroaches upon, and its distance from the nearest vertex, if a place to split a subfacet at has just been looked
+    /// at.
+    pub(super) ready: Option<(DVec3, f64)>,
     pub samples: usize,
     pub segment_splits: usize,
     pub facet_splits: usize,
@@ -136,6 +139,7 @@ impl<'a> Refiner<'a> {
             sizes: None,
             spare_boundary: false,
             given_way: None,
+            ready: None,
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
@@ -281,11 +285,13 @@ impl<'a> Refiner<'a> {
     fn boundary_step(&mut self, control: &Control) -> Result<bool, Error> {
         let go_on = || control.poll();
         if let Some((edge, demand)) = self.boundary.pop_segment(&go_on)? {
-            self.transact(Element::Segment(edge), demand)?;
+            let split = self.transact(Element::Segment(edge), demand)?;
+            self.merge_split(split, &edge.map(|v| self.t.at(v)))?;
             return Ok(true);
         }
         let Some((face, demand)) = self.boundary.pop_facet(&go_on)? else { return Ok(false) };
-        self.split_facet_in_turn(face, demand)?;
+        let split = self.split_facet_in_turn(face, demand)?;
+        self.merge_split(split, &face.map(|v| self.t.at(v)))?;
         Ok(true)
     }
 
@@ -351,7 +357,14 @@ impl<'a> Refiner<'a> {
                 break;
             }
             match self.place(p, tet)? {
-                Placed::Inserted(_) | Placed::Spared => {
+                Placed::Inserted(v) => {
+                    self.samples += 1;
+                    placed_any = true;
+                    if self.has_partner_on_boundary(v) {
+                        self.merge(v, None)?;
+                    }
+                }
+                Placed::Spared => {
                     self.samples += 1;
                     placed_any = true;
                 }
@@ -381,10 +394,42 @@ impl<'a> Refiner<'a> {
             return Ok(false);
         }
         self.cavity.clear();
+        self.watch_created()?;
+        Ok(true)
+    }
+
+    /// Whether there are partners on the boundary for the vertex that the last insertion has brought.
+    fn has_partner_on_boundary(&self, v: u32) -> bool {
+        let Some(sparsifier) = &self.sparsifier else { return false };
+        let boundary = &*self.boundary;
+        let on_boundary = |&w: &u32| w != GHOST && boundary.kind(w) != 0;
+        let near = self.cavity.created.iter().flat_map(|&tet| self.t.topology.tet(tet).v).filter(on_boundary);
+        boundary.lazy && near.into_iter().any(|w| sparsifier.may_merge(self.t, [v, w], self.edge))
+    }
+
+    /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.
+    fn merge_split(&mut self, split: Split, corners: &[DVec3]) -> Result<(), Error> {
+        match split {
+            Split::Done(v) => self.merge(v, Some(corners)),
+            Split::After(_) | Split::Blocked => Ok(()),
+        }
+    }
+
+    /// Tries to make one vertex of a new one and a neighbour, on the boundary one of them or both.
+    fn merge(&mut self, v: u32, split: Option<&[DVec3]>) -> Result<(), Error> {
+        let Some(sparsifier) = &mut self.sparsifier else { return Ok(()) };
+        self.created.clear();
+        if self.boundary.lazy && sparsifier.merge(self.t, self.boundary, (v, split), self.edge, &mut self.created)? {
+            self.watch_created()?;
+        }
+        Ok(())
+    }
+
+    /// Looks at what the sparsifier has created.
+    fn watch_created(&mut self) -> Result<(), Error> {
         let t = &*self.t;
         let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
-        watch(t, &mut self.queue, self.radius_edge, live)?;
-        Ok(true)
+        watch(t, &mut self.queue, self.radius_edge, live)
     }
 
     /// Leaves a tetrahedron as it is.

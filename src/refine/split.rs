@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::refiner::Refiner;
 use super::restore::Element;
-use crate::domain::boundary::{edge_key, face_key, face_keys, Boundary};
+use crate::domain::boundary::{edge_key, face_keys, Boundary};
 use crate::domain::facet::FacetChange;
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
@@ -72,7 +72,11 @@ impl Refiner<'_> {
                 self.find_encroached(p)?;
                 let next = self.t.next_vertex();
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
-                if let Some(reach) = self.forbidden(p, &edge, demand)? {
+                let room = self.rim_distance(p)?;
+                if room < self.min_edge && !self.boundary.recovering {
+                    return Ok(self.block_segment(edge, NEVER));
+                }
+                if let Some(reach) = self.forbidden((p, room), &edge, demand) {
                     return Ok(self.block_segment(edge, reach));
                 }
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
@@ -109,6 +113,7 @@ impl Refiner<'_> {
 
     fn split_facet_within(&mut self, face: [u32; 3], demand: Demand) -> Result<Split, Error> {
         self.boundary.reserve()?;
+        self.ready = None;
         let (p, start_triangle) = match self.boundary.facet_split(self.t, face) {
             // Nothing may be asked about such a point: the predicates don't hold it.
             FacetSplit::At(p, _) if check_range(0, flush_tiny(p)).is_err() => return Ok(self.block_facet(face, NEVER)),
@@ -119,7 +124,7 @@ impl Refiner<'_> {
         if split != Split::Blocked || !self.boundary.recovering {
             return Ok(split);
         }
-        self.boundary.blocked_facets.remove(&face_key(face));
+        self.boundary.blocked.forget_facet(face);
         // What is missing has to be split. Another tetrahedron may stand between the point and what is to be split, because the facet is uneven.
         if let Some(edge) = self.boundary.hides(self.t, start_triangle, p) {
             return Ok(self.after(face, vec![edge], demand));
@@ -144,11 +149,18 @@ impl Refiner<'_> {
         let found = self.t.face_tetrahedron(face);
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
-        if too_near || self.boundary.keeps(found.is_some()) || self.is_refused(p, start)? {
+        let ready = self.ready.take().filter(|&(at, _)| at == p);
+        if too_near || self.boundary.keeps(found.is_some()) || ready.is_none() && self.is_refused(p, start)? {
             return Ok(self.block_facet(face, NEVER));
         }
-        self.find_encroached(p)?;
-        if self.rim_distance(p)? < self.min_edge {
+        let room = match ready {
+            Some((_, room)) => room,
+            None => {
+                self.find_encroached(p)?;
+                self.rim_distance(p)?
+            }
+        };
+        if room < self.min_edge {
             return Ok(self.block_facet(face, NEVER));
         }
         let segments: Vec<[u32; 2]> =
@@ -162,7 +174,7 @@ impl Refiner<'_> {
             return Ok(self.block_facet(face, NEVER));
         };
         let changes = [change];
-        if let Some(reach) = self.forbidden(p, &face, demand)? {
+        if let Some(reach) = self.forbidden((p, room), &face, demand) {
             return Ok(self.block_facet(face, reach));
         }
         if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
@@ -216,17 +228,16 @@ impl Refiner<'_> {
         Split::After(segments)
     }
 
-    /// Whether a split of an element at the cavity's point `p` misses the demand. Then what a demand must come to for it: the shortest edge that it makes, or
-    /// [`NEVER`].
-    fn forbidden(&self, p: DVec3, corners: &[u32], demand: Demand) -> Result<Option<f64>, Error> {
+    /// Whether a split of an element at the cavity's point `p`, whose nearest vertex is `reach` away, misses the demand. Then what a demand must come to for it:
+    /// the shortest edge that it makes, or [`NEVER`].
+    fn forbidden(&self, (p, reach): (DVec3, f64), corners: &[u32], demand: Demand) -> Option<f64> {
         if self.boundary.recovering {
-            return Ok(None);
+            return None;
         }
-        let reach = self.rim_distance(p)?;
         if reach < self.boundary.needle_floor(self.t, self.boundary.carrier_of(corners), p) {
-            return Ok(Some(NEVER));
+            return Some(NEVER);
         }
-        Ok((reach < self.boundary.demanded(demand, corners)).then_some(reach))
+        (reach < self.boundary.demanded(demand, corners)).then_some(reach)
     }
 
     /// Whether the split in hand, which changes facets so, takes out another element whose own split is known to miss the demand. It would have to be
@@ -246,13 +257,13 @@ impl Refiner<'_> {
 
     pub(super) fn block_segment(&mut self, edge: [u32; 2], reach: f64) -> Split {
         self.cavity.clear();
-        self.boundary.blocked_segments.insert(edge_key(edge), reach);
+        self.boundary.blocked.block_segment(edge, reach);
         Split::Blocked
     }
 
     pub(super) fn block_facet(&mut self, face: [u32; 3], reach: f64) -> Split {
         self.cavity.clear();
-        self.boundary.blocked_facets.insert(face_key(face), reach);
+        self.boundary.blocked.block_facet(face, reach);
         Split::Blocked
     }
 

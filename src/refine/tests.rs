@@ -282,9 +282,7 @@ fn what_one_call_could_not_split_the_next_may() {
     let mut mesh = Mesh::from_plc(&random_box(20, 9), &Control::new()).unwrap();
     let coarse = RefineOptions { radius_edge: 0.7, min_edge: 0.5, ..RefineOptions::default() };
     assert_eq!(mesh.refine(&coarse, &Control::new()).unwrap().status, RefineStatus::Unrefined);
-    assert!(
-        !mesh.boundary().unwrap().blocked_facets.is_empty() || !mesh.boundary().unwrap().blocked_segments.is_empty()
-    );
+    assert!(!mesh.boundary().unwrap().blocked.is_empty());
     let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
     assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
     check(&mesh, 2.0, 27.0);

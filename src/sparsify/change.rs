@@ -4,7 +4,7 @@ use super::search::Found;
 use super::{Demand, Sparsifier};
 use crate::domain::boundary::face_key;
 use crate::domain::label::OUTSIDE;
-use crate::domain::{Boundary, Carrier};
+use crate::domain::Boundary;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::flush_tiny;
 use crate::geometry::quality::{four_exceed_radius_edge, in_fours, EDGES};
@@ -42,14 +42,13 @@ impl Sparsifier {
                 return Err(error);
             }
         }
-        let is_free = add.is_none_or(|(_, _, carrier)| carrier == Carrier::Free);
         let keeps = seen.is_ok()
             && keeps_labels(t, &self.hole)
             && self.keeps_bound(t, boundary, demand)
             && keeps_boundary(t, boundary, &self.hole, named)
             && journal.created().all(|face| is_face(&self.hole, face, named))
             && journal.joined().iter().all(|&edge| is_edge(&self.hole, edge, named))
-            && (!demand.level2.is_finite() || is_free && is_clear(t, boundary, &self.hole));
+            && (!demand.level2.is_finite() || is_clear(t, boundary, &self.hole));
         if !keeps {
             self.hole.clear();
             boundary.undo(journal);
@@ -145,7 +144,7 @@ fn keeps_boundary(t: &Triangulation, boundary: &Boundary, hole: &Hole, named: im
     })
 }
 
-/// Whether a free point that comes encroaches upon nothing.
+/// Whether the point that comes encroaches upon nothing of the boundary that stays.
 fn is_clear(t: &Triangulation, boundary: &Boundary, hole: &Hole) -> bool {
     let Some(p) = hole.point() else { return true };
     let at = |v: u32| -> DVec3 { t.at(v) };

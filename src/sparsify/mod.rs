@@ -8,6 +8,8 @@
 //!
 //! It works twice, or, at the level of [`Moves`](Sparsify::Moves), only the first time: then nothing is taken away from what stands, the rule only decides at the
 //! insertion of a sample that a point moves in its stead. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
+//! What splits a segment or facet is inserted first, for what follows from it must be seen, and then made one with a neighbour if that can be; so is a sample with one
+//! on the boundary. Where facets have many vertices near them, a fifth of the splits come to nothing more than that.
 //! Tetrahedra whose shortest edge is longer than the one being mended may still be bad then: the refinement comes to them later, with fewer vertices
 //! in its way. This is worth far more than the same work on the finished mesh, where everything around a vertex has been fitted to it. *Afterwards*, or on any mesh, a queue of
 //! all Steiner points is worked off in which each change brings its neighbourhood back, until nothing changes any more; there nothing
@@ -16,10 +18,13 @@
 //! Segments and facets stay covered by edges and faces. The last pass may leave some encroached, as the refinement with this rule does, which needs no split where all tetrahedra
 //! are good; a later refinement splits them if it has to.
 //!
+//! A merge keeps its vertex in the ball of what was split, so that the split is not undone, and lets no tetrahedron with an edge up to the one in hand be bad; where
+//! few succeed, few are tried (`Odds`).
+//!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
 //! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
 //! made new, each step takes something off those there are, and `l` grows past any length. Where splits of the boundary, or β < 1, make edges
-//! shorter than `l` again, the number of changes is bounded by that of vertices (`CHANGES`); after that it is a plain refinement.
+//! shorter than `l` again, the number of changes, merges among them, is bounded by that of vertices (`CHANGES`); after that it is a plain refinement.
 
 pub(crate) mod change;
 pub(crate) mod forecast;
@@ -28,6 +33,8 @@ pub(crate) mod search;
 use std::collections::VecDeque;
 
 use crate::domain::Boundary;
+use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
+use crate::geometry::flush_tiny;
 use crate::refine::limits::Limits;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
@@ -35,6 +42,7 @@ use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error, RefineStatus};
 use forecast::{Demand, Forecast};
+use search::Partners;
 
 /// How hard to try to do with fewer Steiner points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +51,7 @@ pub enum Sparsify {
     /// The sampler alone: Steiner points stay where they are put.
     Off,
     /// Nothing is taken away from what stands. But instead of inserting a sample one of two Steiner points near it, those with most room, is moved where one place
-    /// serves both, if that is found at next to no cost.
+    /// serves both, if that is found at next to no cost; and a point that splits a segment or facet is made one with a neighbour.
     Moves,
     /// What is found at little cost: most of what can be had, in two to four times the time without.
     #[default]
@@ -132,6 +140,18 @@ impl Effort {
     }
 }
 
+impl Effort {
+    /// For a vertex that has come on the boundary, or beside it: they are few, and one of five finds a partner.
+    fn at_boundary(self) -> Effort {
+        Effort {
+            neighbours: self.neighbours.max(4),
+            places: self.places.max(6),
+            spacing: self.spacing.min(0.9),
+            ..self
+        }
+    }
+}
+
 impl Default for Effort {
     fn default() -> Self {
         Effort::of(Sparsify::default())
@@ -159,6 +179,8 @@ pub(crate) struct Sparsifier {
     /// The vertex that the last replacement added.
     newest: u32,
     near: Vec<search::Candidate>,
+    /// How merges after samples, and after splits, have come out.
+    odds: [Odds; 2],
     /// Vertices taken away and not replaced.
     pub removed: usize,
     /// Vertices that came in the place of two.
@@ -219,7 +241,7 @@ impl Sparsifier {
         created.extend_from_slice(&self.hole.created);
         // What has come may stand for another neighbour, too.
         for _ in 0..self.effort.cascade {
-            let Some(found) = self.search(t, boundary, self.newest, demand) else { break };
+            let Some(found) = self.search(t, boundary, self.newest, Partners::Free, demand) else { break };
             if !self.make(t, boundary, &found, demand)? {
                 break;
             }
@@ -228,6 +250,43 @@ impl Sparsifier {
                 break;
             }
         }
+        Ok(true)
+    }
+
+    /// Whether the second of two neighbours is near enough to be the first one's partner while an edge of length `edge` is being mended.
+    pub fn may_merge(&self, t: &Triangulation, [v, w]: [u32; 2], edge: f64) -> bool {
+        self.is_steiner(t, w) && t.at(v).distance(t.at(w)) <= self.reach(self.demand(LEAD * edge))
+    }
+
+    /// Tries to put one vertex in the place of the new one `v` and a neighbour, at least one of them on the boundary, while an edge of length `edge` is being
+    /// mended. What `v` has split must not come back: the place has to be in its ball, too. Returns whether it did, and adds what is new then to `created`.
+    pub fn merge(
+        &mut self,
+        t: &mut Triangulation,
+        boundary: &mut Boundary,
+        (v, split): (u32, Option<&[DVec3]>),
+        edge: f64,
+        created: &mut Vec<u32>,
+    ) -> Result<bool, Error> {
+        let odds = usize::from(split.is_some());
+        if self.removed + self.replaced >= CHANGES * t.vertex_slots() || !self.odds[odds].are_good() {
+            return Ok(false);
+        }
+        let demand = self.demand(LEAD * edge);
+        let partners = if split.is_some() { Partners::All } else { Partners::OnBoundary };
+        let Some(found) = self.search(t, boundary, v, partners, demand) else { return Ok(false) };
+        let Some((place, _)) = found.add else { return Ok(false) };
+        let place = flush_tiny(place);
+        let splits = match *split.unwrap_or_default() {
+            [a, b] => encroaches_segment([a, b], place),
+            [a, b, c] => encroaches_facet([a, b, c], place),
+            _ => true,
+        };
+        if !splits || !self.make(t, boundary, &found, demand)? {
+            return Ok(false);
+        }
+        self.odds[odds].made += 1;
+        created.extend_from_slice(&self.hole.created);
         Ok(true)
     }
 
@@ -285,7 +344,7 @@ impl Sparsifier {
             if !self.is_steiner(t, v) {
                 continue;
             }
-            let Some(found) = self.search(t, boundary, v, demand) else { continue };
+            let Some(found) = self.search(t, boundary, v, Partners::All, demand) else { continue };
             if self.make(t, boundary, &found, demand)? {
                 for &tet in &self.hole.created {
                     for w in t.topology.tet(tet).v {
@@ -298,6 +357,29 @@ impl Sparsifier {
         }
         Ok(None)
     }
+}
+
+/// How often something has been tried, and has come to something.
+#[derive(Clone, Copy, Debug, Default)]
+struct Odds {
+    turns: usize,
+    tried: usize,
+    made: usize,
+}
+
+impl Odds {
+    /// Whether it is worth a try. Where fewer than one of [`RARE`](Self::RARE) have come to something, one of [`SOME`](Self::SOME) is, to see whether it still is so.
+    fn are_good(&mut self) -> bool {
+        self.turns += 1;
+        let rare = self.tried >= Self::FIRST && Self::RARE * self.made < self.tried;
+        let worth = !rare || self.turns % Self::SOME == 0;
+        self.tried += usize::from(worth);
+        worth
+    }
+
+    const FIRST: usize = 100;
+    const RARE: usize = 16;
+    const SOME: usize = 12;
 }
 
 /// Vertices to be tried, each once at a time, first come first served.

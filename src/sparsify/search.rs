@@ -36,6 +36,21 @@ pub struct Found {
     pub guess: bool,
 }
 
+/// Which vertices may be partners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Partners {
+    All,
+    /// Those on no segment or facet.
+    Free,
+    OnBoundary,
+}
+
+impl Partners {
+    fn contain(self, is_free: bool) -> bool {
+        self == Partners::All || is_free == (self == Partners::Free)
+    }
+}
+
 /// A vertex that may be the partner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
@@ -65,9 +80,16 @@ impl Subject {
 
 impl Sparsifier {
     /// Looks for something to do at `v`.
-    pub(super) fn search(&mut self, t: &Triangulation, boundary: &Boundary, v: u32, demand: Demand) -> Option<Found> {
+    pub(super) fn search(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        v: u32,
+        partners: Partners,
+        demand: Demand,
+    ) -> Option<Found> {
         let while_refining = demand.level2.is_finite();
-        if !self.is_steiner(t, v) || while_refining && boundary.kind(v) != 0 || !self.alone.open(t, &[v]) {
+        if !self.is_steiner(t, v) || !self.alone.open(t, &[v]) {
             return None;
         }
         let limit = if while_refining {
@@ -79,7 +101,7 @@ impl Sparsifier {
         for i in 0..self.alone.going().len() {
             for w in t.topology.tet(self.alone.going()[i]).v {
                 if w != v {
-                    self.consider(t, boundary, w, t.at(v), limit, while_refining);
+                    self.consider(t, boundary, w, t.at(v), limit, partners);
                 }
             }
         }
@@ -88,7 +110,8 @@ impl Sparsifier {
             return None;
         }
         let plan = boundary.without(t, &[v])?;
-        if !self.alone.fill(t, boundary, &[v], &plan, demand, usize::MAX) {
+        let most = if while_refining { self.effort.alone } else { usize::MAX };
+        if !self.alone.fill(t, boundary, &[v], &plan, demand, most) {
             return None;
         }
         if self.alone.obstacles.is_empty() {
@@ -111,7 +134,7 @@ impl Sparsifier {
         let limit = self.reach(demand);
         self.near.clear();
         for w in cavity.rim(&t.topology) {
-            self.consider(t, boundary, w, p, limit, true);
+            self.consider(t, boundary, w, p, limit, Partners::Free);
         }
         if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.effort.alone) {
             return None;
@@ -120,13 +143,13 @@ impl Sparsifier {
     }
 
     /// How far a partner may be while refining.
-    fn reach(&self, demand: Demand) -> f64 {
+    pub(super) fn reach(&self, demand: Demand) -> f64 {
         self.effort.reach * self.radius_edge * demand.level2.sqrt()
     }
 
     /// Puts `w` among the neighbours of `p` that are worth a try if it is, once.
-    fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, only_free: bool) {
-        if w < self.first || w == GHOST || only_free && boundary.kind(w) != 0 {
+    fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, partners: Partners) {
+        if w < self.first || w == GHOST || !partners.contain(boundary.kind(w) == 0) {
             return;
         }
         let distance = t.at(w).distance(p);
@@ -143,7 +166,11 @@ impl Sparsifier {
         subject: Subject,
         demand: Demand,
     ) -> Option<Found> {
-        let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, .. } = self.effort;
+        let effort = match subject {
+            Subject::Vertex(_) => self.effort.at_boundary(),
+            Subject::Sample(_) => self.effort,
+        };
+        let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, .. } = effort;
         let level = demand.level2.sqrt();
         let spacing = if level.is_finite() { spacing * level } else { 0.0 };
         let Sparsifier { alone, pair, near, .. } = self;

@@ -106,6 +106,36 @@ fn meshes_come_out_sparser_and_as_good() {
 }
 
 #[test]
+fn what_splits_the_boundary_is_made_one_with_a_neighbour() {
+    let mut boxed = random_box(0, 1);
+    boxed.points.extend(random_points(600, 4).into_iter().map(|p| 1.5 * p));
+    let options = RefineOptions { radius_edge: 1.5, sparsify: Some(Sparsify::Moves), ..RefineOptions::default() };
+    for plc in [boxed, slanted_box(60, 8)] {
+        let on_boundary = |mesh: &Mesh| {
+            let vertices = 0..mesh.triangulation().points().len() as u32;
+            vertices.filter(|&v| mesh.boundary().unwrap().kind(v) != 0).count()
+        };
+        let before = on_boundary(&Mesh::from_plc(&plc, &Control::new()).unwrap());
+        let (mesh, report) = refined(&plc, &options);
+        check(&mesh, &plc, 1.5);
+        // Each split has put one there, and at this level nothing else takes any away.
+        let splits = report.segment_splits + report.facet_splits;
+        assert!(on_boundary(&mesh) < before + splits, "{before} {report:?}");
+    }
+}
+
+#[test]
+fn merges_are_tried_less_often_where_few_come_to_something() {
+    let mut odds = super::Odds::default();
+    let turns = 100 * super::Odds::SOME;
+    let tried = |odds: &mut super::Odds| (0..turns).filter(|_| odds.are_good()).count();
+    let first = tried(&mut odds);
+    assert!(first > super::Odds::FIRST && first < super::Odds::FIRST + 101, "{first}");
+    odds.made = odds.tried;
+    assert_eq!(tried(&mut odds), turns);
+}
+
+#[test]
 fn the_other_rules_can_have_the_pass_too() {
     let plc = random_box(80, 2);
     for rule in [Rule::Paper, Rule::Circumcenter] {
