@@ -1,27 +1,36 @@
-//! Numbers as text: the shortest digits that read back as the same number, and lines of integers, of which large meshes have millions.
+//! Numbers as text: the shortest digits that read back as the same number, and lines of numbers, of which large meshes have millions.
 
 use std::fmt;
 use std::io::{self, Write};
 
 /// Writes a number with the fewest digits that keep it, with an exponent only where that is shorter to read.
+#[derive(Clone, Copy, Debug)]
 pub struct Shortest(pub f64);
+
+impl Shortest {
+    /// The text of most numbers. `None` for those that have an exponent in it, or that `digits` gives one.
+    fn plain(self, digits: &mut zmij::Buffer) -> Option<&str> {
+        let size = self.0.abs();
+        if size != 0.0 && !(1e-5..1e17).contains(&size) {
+            return None;
+        }
+        let text = digits.format_finite(self.0);
+        (!text.contains('e')).then(|| text.strip_suffix(".0").unwrap_or(text))
+    }
+}
 
 impl fmt::Display for Shortest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.0.abs();
-        if size != 0.0 && !(1e-5..1e17).contains(&size) {
-            return write!(f, "{:e}", self.0);
+        match self.plain(&mut zmij::Buffer::new()) {
+            Some(text) => f.write_str(text),
+            None if (1e-5..1e17).contains(&size) => write!(f, "{}", self.0),
+            None => write!(f, "{:e}", self.0),
         }
-        let mut digits = zmij::Buffer::new();
-        let text = digits.format_finite(self.0);
-        if text.contains('e') {
-            return write!(f, "{}", self.0);
-        }
-        f.write_str(text.strip_suffix(".0").unwrap_or(text))
     }
 }
 
-/// A line of integers with a space between two.
+/// A line of numbers with a space between two.
 #[derive(Default)]
 pub struct Line {
     text: Vec<u8>,
@@ -31,10 +40,24 @@ pub struct Line {
 impl Line {
     /// Adds an integer.
     pub fn push(&mut self, number: impl itoa::Integer) {
+        self.space();
+        self.text.extend_from_slice(self.digits.format(number).as_bytes());
+    }
+
+    /// Adds a number, as [`Shortest`] writes it.
+    pub fn push_real(&mut self, number: f64) -> io::Result<()> {
+        self.space();
+        match Shortest(number).plain(&mut zmij::Buffer::new()) {
+            Some(text) => self.text.extend_from_slice(text.as_bytes()),
+            None => write!(self.text, "{}", Shortest(number))?,
+        }
+        Ok(())
+    }
+
+    fn space(&mut self) {
         if !self.text.is_empty() {
             self.text.push(b' ');
         }
-        self.text.extend_from_slice(self.digits.format(number).as_bytes());
     }
 
     /// Writes the line, and begins the next.
@@ -43,12 +66,6 @@ impl Line {
         let result = out.write_all(&self.text);
         self.text.clear();
         result
-    }
-
-    /// Writes the line with something more at its end, and begins the next.
-    pub fn end_with(&mut self, out: &mut dyn Write, rest: fmt::Arguments) -> io::Result<()> {
-        self.text.write_fmt(rest)?;
-        self.end(out)
     }
 }
 
@@ -82,8 +99,12 @@ mod tests {
         }
         line.end(&mut out).unwrap();
         line.push(12usize);
-        line.end_with(&mut out, format_args!(" {}", Shortest(0.5))).unwrap();
-        let text = format!("0 -1 7 10 999 -1000 {} {}\n12 0.5\n", u32::MAX, i64::MIN);
+        for number in [0.5, -0.0, 3.0, 1e-7, 1e16, 2e-5, 1.5e300] {
+            line.push_real(number).unwrap();
+        }
+        line.end(&mut out).unwrap();
+        let text =
+            format!("0 -1 7 10 999 -1000 {} {}\n12 0.5 -0 3 1e-7 {} 0.00002 1.5e300\n", u32::MAX, i64::MIN, 1e16);
         assert_eq!(String::from_utf8(out).unwrap(), text);
     }
 

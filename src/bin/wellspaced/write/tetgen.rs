@@ -11,12 +11,14 @@ use super::number::{Line, Shortest};
 pub fn write_node(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io::Result<()> {
     let marked = markers.iter().any(|&marker| marker != 0);
     writeln!(out, "{} 3 0 {}", points.len(), u8::from(marked))?;
+    let mut line = Line::default();
     for (number, point) in points.iter().enumerate() {
-        write!(out, "{number} {} {} {}", Shortest(point.x), Shortest(point.y), Shortest(point.z))?;
-        match markers.get(number) {
-            Some(marker) if marked => writeln!(out, " {marker}")?,
-            _ => writeln!(out)?,
+        line.push(number);
+        point.to_array().into_iter().try_for_each(|x| line.push_real(x))?;
+        if let Some(&marker) = markers.get(number).filter(|_| marked) {
+            line.push(marker);
         }
+        line.end(out)?;
     }
     Ok(())
 }
@@ -28,10 +30,8 @@ pub fn write_ele(out: &mut dyn Write, tetrahedra: &[[u32; 4]], attributes: &[f64
     for (number, corners) in tetrahedra.iter().enumerate() {
         line.push(number);
         corners.iter().for_each(|&corner| line.push(corner));
-        match attributes.get(number) {
-            Some(&attribute) => line.end_with(out, format_args!(" {}", Shortest(attribute)))?,
-            None => line.end(out)?,
-        }
+        attributes.get(number).map_or(Ok(()), |&attribute| line.push_real(attribute))?;
+        line.end(out)?;
     }
     Ok(())
 }
