@@ -110,7 +110,7 @@ impl Sparsifier {
             return None;
         }
         let plan = boundary.without(t, &[v])?;
-        let most = if while_refining { self.effort.alone } else { usize::MAX };
+        let most = if while_refining { self.effort.alone } else { self.effort.obstacles };
         if !self.alone.fill(t, boundary, &[v], &plan, demand, most) {
             return None;
         }
