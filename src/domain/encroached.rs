@@ -15,7 +15,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
 use crate::sorting::sort;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{tet_of, Tetrahedron};
+use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
 
@@ -31,6 +31,8 @@ pub struct Encroached {
     pub lost_segments: Vec<[u32; 2]>,
     /// Subfacets of which the same is true.
     pub lost_facets: Vec<[u32; 3]>,
+    /// Whether any vertex around the cavity is on the boundary.
+    pub(crate) is_near: bool,
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
@@ -68,6 +70,7 @@ impl Encroached {
     }
 
     pub(crate) fn clear(&mut self) {
+        self.is_near = false;
         self.segments.clear();
         self.facets.clear();
         self.lost_segments.clear();
@@ -111,7 +114,9 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
-        if !self.may_have_edge(cavity.rim(&t.topology)) {
+        let mut on_boundary = cavity.rim(&t.topology).filter(|&v| v != GHOST && self.kind(v) != 0);
+        found.is_near = on_boundary.next().is_some();
+        if on_boundary.next().is_none() {
             return Ok(());
         }
         // Whether it stays: one of the faces around the cavity has it.

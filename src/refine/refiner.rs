@@ -360,7 +360,7 @@ impl<'a> Refiner<'a> {
                 Placed::Inserted(v) => {
                     self.samples += 1;
                     placed_any = true;
-                    if self.has_partner_on_boundary(v) {
+                    if self.encroached.is_near && self.has_partner_on_boundary(v) {
                         self.merge(v, None)?;
                     }
                 }
