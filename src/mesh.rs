@@ -313,8 +313,11 @@ impl Mesh {
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
             let sparsifier = refiner.sparsifier.take();
-            domain.boundary.kept = false;
-            status = self.thin_out(sparsifier, result, (control, &mut limits), &mut taken, &mut reasons)?;
+            let thinned = self.thin_out(sparsifier, result, (control, &mut limits), &mut taken, &mut reasons);
+            if let Some(domain) = &mut self.domain {
+                domain.boundary.kept = false;
+            }
+            status = thinned?;
         }
         let mut report = self.report_unless_cancelled(options.radius_edge, status, &reasons, control);
         if let Some(at_vertices) = at_vertices.filter(|_| report.status != RefineStatus::Cancelled) {

@@ -1,7 +1,7 @@
 //! Which subsegments and subfacets could not be split, and for what.
 //!
 //! An element is known by the ids of its vertices, and a vertex that goes leaves its id to another one, somewhere else. So what is noted of an element counts only as
-//! long as none of its vertices has left the boundary since.
+//! long as none of its vertices has left the boundary since. That another vertex was in the way, which has gone, is not seen: the next call tries again.
 
 use super::boundary::{edge_key, face_key};
 use crate::leavings::{InPieces, Leavings};

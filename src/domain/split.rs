@@ -76,13 +76,18 @@ impl Boundary {
             debug_assert!(!self.subsegments.contains_key(&part), "a subsegment of two segments");
             self.subsegments.insert(part, segment);
         }
-        let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
-        self.mark(new, ON_SEGMENT | if sharp { SHARP } else { 0 });
-        self.carry(new, Carrier::Segment(segment));
+        self.put_on(new, segment);
         self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {
             self.facet_changed(t, new, *facet, change, star, demand);
         }
+    }
+
+    /// Notes that a vertex lies on a segment.
+    pub(super) fn put_on(&mut self, v: u32, segment: u32) {
+        let sharp = self.sharp_segments.get(segment as usize) == Some(&true);
+        self.mark(v, ON_SEGMENT | if sharp { SHARP } else { 0 });
+        self.carry(v, Carrier::Segment(segment));
     }
 
     /// The subsegment behind which a point of its facet lies, seen from a subfacet.

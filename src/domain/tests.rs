@@ -1,5 +1,6 @@
 //! Domains of all kinds, each meshed and then checked against its own description: volume, area of each facet, validity, bound.
 
+use super::Carrier;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::refine::{Rule, Sparsify, Unrefined};
 use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcRegion, PlcSegment, RefineOptions, RefineReport};
@@ -123,6 +124,37 @@ fn a_wedge_of_five_degrees() {
     let plc = prism(&[[0.0, 0.0], [1.0, 0.0], [cos, sin]], 1.0);
     let (_, report) = meshed(&plc, 2.0, 0.5 * sin);
     assert!(report.vertices < 200, "{report:?}");
+}
+
+#[test]
+fn what_is_merged_onto_a_sharp_segment_knows_it() {
+    use super::boundary::SHARP;
+    let mut plc = prism(&[[0.0, 0.0], [1.0, 0.0], [0.8, 0.6]], 1.0);
+    let mut state = 11u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    // Near the edge at 37°, and along all of it.
+    let near: Vec<[f64; 3]> =
+        (0..300).map(|_| [next(), next(), next()]).map(|[r, s, z]| [0.3 * r, 0.2 * r * s, z]).collect();
+    add(&mut plc, &near);
+    let mut on_sharp = 0;
+    for level in [Sparsify::Moves, Sparsify::Quick, Sparsify::Thorough] {
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let options = RefineOptions { radius_edge: 1.5, sparsify: Some(level), ..RefineOptions::default() };
+        assert!(mesh.refine(&options, &Control::new()).unwrap().replaced > 0);
+        mesh.validate(3).unwrap();
+        let boundary = mesh.boundary().unwrap();
+        for v in mesh.triangulation().vertices() {
+            if let Carrier::Segment(s) = boundary.carrier(v) {
+                let sharp = boundary.sharp_segments[s as usize];
+                on_sharp += usize::from(sharp);
+                assert_eq!(boundary.kind(v) & SHARP != 0, sharp, "{level:?} {v}");
+            }
+        }
+    }
+    assert!(on_sharp > 10, "{on_sharp}");
 }
 
 #[test]

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::acute::Carrier;
-use super::boundary::{edge_key, face_key, Boundary, ON_FACET, ON_SEGMENT};
+use super::boundary::{edge_key, face_key, Boundary, ON_FACET};
 use super::facet::{FacetChange, InSpace};
 use super::subsegments::Subsegments;
 use crate::triangulation::topology::GHOST;
@@ -234,8 +234,10 @@ impl Boundary {
         // What was joined only to be split again is no part of the result.
         journal.come.retain(|&come| come != edge);
         journal.gone.retain(|&(gone, _)| gone != edge);
-        self.mark(new, ON_SEGMENT | ON_FACET);
-        self.carry(new, Carrier::Segment(segment));
+        self.put_on(new, segment);
+        if !self.segments[segment as usize].facets.is_empty() {
+            self.mark(new, ON_FACET);
+        }
         true
     }
 

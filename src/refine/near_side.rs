@@ -128,7 +128,9 @@ fn at_edge(t: &Triangulation, edge: [u32; 2], start: u32, mut conflicts: impl Fn
     }
     let tet = t.topology.tet(start);
     let [i, j] = [tet.slot(edge[0])?, tet.slot(edge[1])?];
-    t.topology.around_edge(start, i, j).map(|(around, _, _)| around).take(LARGE).find(|&around| conflicts(around))
+    let around = t.topology.around_edge(start, i, j).map(|(around, _, _)| around).take(LARGE);
+    // Not in another region: the sample is meant for this side.
+    around.into_iter().find(|&around| t.topology.same_label(start, around) && conflicts(around))
 }
 
 /// Whether a walk from a tetrahedron to `p` ends at a subfacet: there is no face but subfacets beyond which `p` lies.

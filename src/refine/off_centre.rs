@@ -65,6 +65,7 @@ impl Refiner<'_> {
         if check_range(0, p).is_err() || self.boundary.hides(self.t, face, p).is_some() {
             return Ok(None);
         }
+        self.ready = None;
         if self.is_refused(p, start)? {
             return Ok(None);
         }

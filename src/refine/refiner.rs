@@ -103,6 +103,8 @@ pub struct Refiner<'a> {
     pub facet_splits: usize,
 }
 
+/// So many tetrahedra at a new vertex are looked through for partners.
+const MANY: usize = 1024;
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
 
@@ -403,8 +405,10 @@ impl<'a> Refiner<'a> {
         let Some(sparsifier) = &self.sparsifier else { return false };
         let boundary = &*self.boundary;
         let on_boundary = |&w: &u32| w != GHOST && boundary.kind(w) != 0;
-        let near = self.cavity.created.iter().flat_map(|&tet| self.t.topology.tet(tet).v).filter(on_boundary);
-        boundary.lazy && near.into_iter().any(|w| sparsifier.may_merge(self.t, [v, w], self.edge))
+        // Of a larger star nothing could be made.
+        let near =
+            self.cavity.created.iter().take(MANY).flat_map(|&tet| self.t.topology.tet(tet).v).filter(on_boundary);
+        boundary.lazy && near.into_iter().any(|w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
     }
 
     /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.

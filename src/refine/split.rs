@@ -150,6 +150,7 @@ impl Refiner<'_> {
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
         let ready = self.ready.take().filter(|&(at, _)| at == p);
+        debug_assert!(ready.is_none() || !self.cavity.tets.is_empty());
         if too_near || self.boundary.keeps(found.is_some()) || ready.is_none() && self.is_refused(p, start)? {
             return Ok(self.block_facet(face, NEVER));
         }

@@ -81,13 +81,15 @@ impl Sparsifier {
         let counts = |&i: &u32| coming[i as usize].v[3] != GHOST && coming[i as usize].label != Some(OUTSIDE);
         let at = |v: u32| t.coming_point(&self.hole, v);
         let is_short = |&v: &u32| v != ADDED && at(v).distance(*at(ADDED)) < self.min_edge;
+        // Outside, too: sheets of the boundary may be near to each other.
+        let at_new = coming.iter().map(|coming| coming.v).filter(|v| v.contains(&ADDED) && v[3] != GHOST);
+        if at_new.flatten().any(|v| is_short(&v)) {
+            return false;
+        }
         in_fours((0..coming.len() as u32).filter(counts)).all(|(four, count)| {
             let tets = four.map(|i| coming[i as usize].v);
             let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|v| v.map(at)), self.radius_edge);
             tets.into_iter().enumerate().take(count).all(|(i, v)| {
-                if v.contains(&ADDED) && v.iter().any(is_short) {
-                    return false;
-                }
                 if exceed >> i & 1 == 0 {
                     return true;
                 }

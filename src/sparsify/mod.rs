@@ -22,9 +22,9 @@
 //! few succeed, few are tried (`Odds`).
 //!
 //! Refinement still ends. A change while refining makes no tetrahedron bad whose shortest edge is at most `LEAD` times the edge `l` being
-//! mended, and begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to `LEAD·l` comes back or is
-//! made new, each step takes something off those there are, and `l` grows past any length. Where splits of the boundary, or β < 1, make edges
-//! shorter than `l` again, the number of changes, merges among them, is bounded by that of vertices (`CHANGES`); after that it is a plain refinement.
+//! mended, and, unless it is a merge, begins at a sample that is farther than that from all vertices, as samples are but for β near 1. So no bad edge up to
+//! `LEAD·l` comes back or is made new, each step takes something off those there are, and `l` grows past any length. Splits of the boundary, or β < 1, may make
+//! edges shorter than `l` again; for these, and for merges, the number of changes is bounded by that of vertices (`CHANGES`), and after that it is a plain refinement.
 
 pub(crate) mod change;
 pub(crate) mod forecast;
@@ -69,9 +69,9 @@ pub(crate) struct Effort {
     pub widest: bool,
     /// Obstacles of `v` alone that may be left when a neighbour goes with it.
     pub remaining: usize,
-    /// Obstacles of a sample alone that are worth a try.
+    /// Obstacles of a sample alone, or of a vertex to be merged, that are worth a try.
     pub alone: usize,
-    /// Obstacles of a pair.
+    /// Obstacles of a pair, and in the last pass those of the vertex alone: with more a partner is hardly ever found.
     pub obstacles: usize,
     /// A place is worth a search when no tetrahedron there has (R/βl)² above this.
     pub cap: f64,
@@ -210,8 +210,9 @@ impl Sparsifier {
         self.effort.all = true;
     }
 
-    fn is_steiner(&self, t: &Triangulation, v: u32) -> bool {
-        v != GHOST && v >= self.first && t.is_vertex(v)
+    /// Whether a vertex may be taken away: a Steiner point, but none on a boundary that is to be kept.
+    fn may_go(&self, t: &Triangulation, boundary: &Boundary, v: u32) -> bool {
+        v != GHOST && v >= self.first && t.is_vertex(v) && !(boundary.kept && boundary.kind(v) != 0)
     }
 
     fn demand(&self, level: f64) -> Demand {
@@ -254,8 +255,8 @@ impl Sparsifier {
     }
 
     /// Whether the second of two neighbours is near enough to be the first one's partner while an edge of length `edge` is being mended.
-    pub fn may_merge(&self, t: &Triangulation, [v, w]: [u32; 2], edge: f64) -> bool {
-        self.is_steiner(t, w) && t.at(v).distance(t.at(w)) <= self.reach(self.demand(LEAD * edge))
+    pub fn may_merge(&self, t: &Triangulation, boundary: &Boundary, [v, w]: [u32; 2], edge: f64) -> bool {
+        self.may_go(t, boundary, w) && t.at(v).distance(t.at(w)) <= self.reach(self.demand(LEAD * edge))
     }
 
     /// Tries to put one vertex in the place of the new one `v` and a neighbour, at least one of them on the boundary, while an edge of length `edge` is being
@@ -316,7 +317,7 @@ impl Sparsifier {
             if !turns.go_on() {
                 return Ok(Some(RefineStatus::Cancelled));
             }
-            if self.is_steiner(t, v) && (self.effort.all || boundary.kind(v) != 0) {
+            if self.may_go(t, boundary, v) && (self.effort.all || boundary.kind(v) != 0) {
                 queue.push(v);
             }
         }
@@ -341,14 +342,14 @@ impl Sparsifier {
                     other => other?,
                 }
             }
-            if !self.is_steiner(t, v) {
+            if !self.may_go(t, boundary, v) {
                 continue;
             }
             let Some(found) = self.search(t, boundary, v, Partners::All, demand) else { continue };
             if self.make(t, boundary, &found, demand)? {
                 for &tet in &self.hole.created {
                     for w in t.topology.tet(tet).v {
-                        if self.is_steiner(t, w) {
+                        if self.may_go(t, boundary, w) {
                             queue.push(w);
                         }
                     }

@@ -89,7 +89,7 @@ impl Sparsifier {
         demand: Demand,
     ) -> Option<Found> {
         let while_refining = demand.level2.is_finite();
-        if !self.is_steiner(t, v) || !self.alone.open(t, &[v]) {
+        if !self.may_go(t, boundary, v) || !self.alone.open(t, &[v]) {
             return None;
         }
         let limit = if while_refining {
@@ -149,7 +149,8 @@ impl Sparsifier {
 
     /// Puts `w` among the neighbours of `p` that are worth a try if it is, once.
     fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, partners: Partners) {
-        if w < self.first || w == GHOST || !partners.contain(boundary.kind(w) == 0) {
+        let is_free = boundary.kind(w) == 0;
+        if w < self.first || w == GHOST || !partners.contain(is_free) || boundary.kept && !is_free {
             return;
         }
         let distance = t.at(w).distance(p);
@@ -167,8 +168,8 @@ impl Sparsifier {
         demand: Demand,
     ) -> Option<Found> {
         let effort = match subject {
-            Subject::Vertex(_) => self.effort.at_boundary(),
-            Subject::Sample(_) => self.effort,
+            Subject::Vertex(_) if demand.level2.is_finite() => self.effort.at_boundary(),
+            Subject::Vertex(_) | Subject::Sample(_) => self.effort,
         };
         let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, .. } = effort;
         let level = demand.level2.sqrt();
@@ -204,15 +205,19 @@ impl Sparsifier {
                 Subject::Vertex(v) => vec![v, w],
                 Subject::Sample(_) => vec![w],
             };
-            let Some(plan) = boundary.without(t, &remove) else { continue };
             let all_free = match subject {
                 Subject::Vertex(v) => boundary.kind(v) == 0 && boundary.kind(w) == 0,
                 Subject::Sample(_) => true,
             };
+            // Too large a star first: what becomes of the boundary takes longer to find.
+            if !all_free && !pair.open(t, &remove) {
+                continue;
+            }
+            let Some(plan) = boundary.without(t, &remove) else { continue };
             let filled = if all_free {
                 pair.fill_more(alone, t, boundary, (w, spacing), demand, obstacles)
             } else {
-                pair.open(t, &remove) && pair.fill(t, boundary, &remove, &plan, demand, obstacles)
+                pair.fill(t, boundary, &remove, &plan, demand, obstacles)
             };
             if !filled || !pair.move_into_obstacles(&mut place, &space, |_| true) {
                 continue;

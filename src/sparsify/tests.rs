@@ -125,6 +125,34 @@ fn what_splits_the_boundary_is_made_one_with_a_neighbour() {
 }
 
 #[test]
+fn a_kept_boundary_keeps_the_points_that_its_recovery_has_put_there() {
+    let plc = slanted_box(60, 8);
+    let boundary = |mesh: &Mesh| -> BTreeSet<[[u64; 3]; 3]> {
+        let place = |v: u32| mesh.triangulation().point(v).unwrap().to_array().map(f64::to_bits);
+        let faces = mesh.boundary().unwrap().subfacets();
+        let sorted = |face: [u32; 3]| {
+            let mut places = face.map(place);
+            places.sort_unstable();
+            places
+        };
+        faces.into_iter().map(|(face, _)| sorted(face)).collect()
+    };
+    for level in [Sparsify::Moves, Sparsify::Quick, Sparsify::Thorough] {
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let before = boundary(&mesh);
+        assert!(mesh.triangulation().vertex_count() > plc.points.len(), "nothing had to be recovered");
+        let options = RefineOptions { keep_boundary: true, sparsify: Some(level), ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert!(report.replaced > 0, "{report:?}");
+        mesh.validate(3).unwrap();
+        assert_eq!(boundary(&mesh), before);
+        // Without that wish they may go.
+        let sparser = mesh.sparsify(2.0, Sparsify::Quick, &Control::new()).unwrap();
+        assert!(sparser.removed + sparser.replaced > 0 && boundary(&mesh) != before);
+    }
+}
+
+#[test]
 fn merges_are_tried_less_often_where_few_come_to_something() {
     let mut odds = super::Odds::default();
     let turns = 100 * super::Odds::SOME;

@@ -26,6 +26,8 @@ use crate::{memory, Control, Error};
 
 /// Larger holes are not looked at.
 const MAX_VERTICES: usize = 200;
+/// Nor are stars with more tetrahedra looked through to see how much of them is inside.
+const MAX_STAR: usize = 16 * MAX_VERTICES;
 /// No number, no neighbour.
 const NONE: u8 = u8::MAX;
 
@@ -329,6 +331,9 @@ impl Forecast {
                         self.marks[n as usize] = 1;
                         self.going.push(n);
                     }
+                }
+                if self.going.len() > MAX_STAR {
+                    return false;
                 }
             }
         }
