@@ -56,7 +56,8 @@ static wsp_triangulation *delaunay(const double *xyz, size_t n, uint32_t threads
     return t;
 }
 
-static wsp_triangulation *refined(size_t n, double radius_edge, wsp_rule rule, wsp_sparsify sparsify, uint32_t threads) {
+static wsp_triangulation *refined_in(double low, double high, size_t n, double radius_edge, wsp_rule rule, wsp_sparsify sparsify,
+                                     uint32_t threads) {
     /* The box as Plc::boxed has it. */
     const uint32_t sides[24] = {0, 1, 3, 2, 4, 5, 7, 6, 0, 1, 5, 4, 2, 3, 7, 6, 0, 2, 6, 4, 1, 3, 7, 5};
     const size_t starts[7] = {0, 4, 8, 12, 16, 20, 24};
@@ -67,7 +68,7 @@ static wsp_triangulation *refined(size_t n, double radius_edge, wsp_rule rule, w
     wsp_plc *plc = NULL;
     double *xyz = scattered(n);
     DONE(wsp_plc_new(&plc));
-    for (int i = 0; i < 24; ++i) corners[i] = i / 3 >> i % 3 & 1 ? 2 : -1;
+    for (int i = 0; i < 24; ++i) corners[i] = i / 3 >> i % 3 & 1 ? high : low;
     DONE(wsp_plc_add_points(plc, corners, 8, NULL, NULL));
     DONE(wsp_plc_add_points(plc, xyz, n, NULL, NULL));
     DONE(wsp_plc_add_facets(plc, sides, starts, 6, NULL, 6, NULL, NULL));
@@ -84,11 +85,16 @@ static wsp_triangulation *refined(size_t n, double radius_edge, wsp_rule rule, w
     return t;
 }
 
+static wsp_triangulation *refined(size_t n, double radius_edge, wsp_rule rule, wsp_sparsify sparsify, uint32_t threads) {
+    return refined_in(-1, 2, n, radius_edge, rule, sparsify, threads);
+}
+
 static wsp_triangulation *mesh(const char *name, uint32_t threads) {
     wsp_triangulation *t;
     double *xyz;
     size_t n;
     if (strcmp(name, "sparse") == 0) return refined(1000, 2.0, WSP_RULE_SPARSE, WSP_SPARSIFY_QUICK, threads);
+    if (strcmp(name, "full") == 0) return refined_in(0, 1, 1000, 1.5, WSP_RULE_SPARSE, WSP_SPARSIFY_MOVES, threads);
     if (strcmp(name, "thorough") == 0) return refined(300, 1.5, WSP_RULE_SPARSE, WSP_SPARSIFY_THOROUGH, threads);
     if (strcmp(name, "paper") == 0) return refined(1000, 2.0, WSP_RULE_PAPER, WSP_SPARSIFY_OFF, threads);
     if (strcmp(name, "circumcenter") == 0) return refined(1000, 1.5, WSP_RULE_CIRCUMCENTER, WSP_SPARSIFY_OFF, threads);
@@ -179,5 +185,5 @@ int main(int argc, char **argv) {
     }
     fclose(file);
     printf("%d outputs, %d other than checked in\n", lines, wrong);
-    return wrong != 0 || lines != 12;
+    return wrong != 0 || lines != 13;
 }
