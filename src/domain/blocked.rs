@@ -18,6 +18,13 @@ struct Note {
     when: u32,
 }
 
+impl Note {
+    /// Whether none of these vertices has left since.
+    fn outlives(&self, vertices: &[u32], left: &PartedMap<u32, u32>) -> bool {
+        vertices.iter().all(|v| left.get(v).is_none_or(|&left| left <= self.when))
+    }
+}
+
 /// The elements whose split was refused.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocked {
@@ -50,7 +57,7 @@ impl Blocked {
     }
 
     fn counts(&self, note: &Note, vertices: &[u32]) -> bool {
-        note.when == self.gone || vertices.iter().all(|v| self.left.get(v).is_none_or(|&left| left <= note.when))
+        note.when == self.gone || note.outlives(vertices, &self.left)
     }
 
     /// Lets a subfacet be tried again.
@@ -104,10 +111,8 @@ impl Blocked {
         face: impl Fn([u32; 3]) -> Option<[u32; 3]>,
     ) -> Result<(), Error> {
         let Blocked { segments, facets, left, .. } = self;
-        let counts =
-            |note: &Note, vertices: &[u32]| vertices.iter().all(|v| left.get(v).is_none_or(|&left| left <= note.when));
-        segments.rekey(control, |key, note| counts(note, &key).then(|| edge(key)).flatten())?;
-        facets.rekey(control, |key, note| counts(note, &key).then(|| face(key)).flatten())?;
+        segments.rekey(control, |key, note| note.outlives(&key, left).then(|| edge(key)).flatten())?;
+        facets.rekey(control, |key, note| note.outlives(&key, left).then(|| face(key)).flatten())?;
         // All that is left counts.
         left.clear();
         Ok(())

@@ -127,6 +127,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
+    /// What a vertex is to the boundary: 0 for one that is not on it, and for the ghost.
     pub(crate) fn kind(&self, v: u32) -> u8 {
         self.kinds.get(v as usize).copied().unwrap_or(0)
     }
@@ -252,7 +253,7 @@ impl Boundary {
     /// Whether two of these vertices are on the boundary, so that a subsegment or a subfacet may join them. Far from the boundary few tetrahedra have such.
     #[inline]
     pub(crate) fn may_have_edge(&self, v: impl IntoIterator<Item = u32>) -> bool {
-        v.into_iter().filter(|&v| v != GHOST && self.kind(v) != 0).nth(1).is_some()
+        v.into_iter().filter(|&v| self.kind(v) != 0).nth(1).is_some()
     }
 
     /// Whether nothing but subfacets parts the domain from what is outside it.

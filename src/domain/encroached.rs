@@ -15,7 +15,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
 use crate::sorting::sort;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
+use crate::triangulation::topology::{tet_of, Tetrahedron};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
 
@@ -114,7 +114,7 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
-        let mut on_boundary = cavity.rim(&t.topology).filter(|&v| v != GHOST && self.kind(v) != 0);
+        let mut on_boundary = cavity.rim(&t.topology).filter(|&v| self.kind(v) != 0);
         found.is_near = on_boundary.next().is_some();
         if on_boundary.next().is_none() {
             return Ok(());

@@ -191,6 +191,7 @@ impl Boundary {
                 None => self.subfacets.remove(&face),
             };
         }
+        // A vertex that was on the boundary before stays there, and what is noted of its elements counts.
         if before.kind == 0 {
             self.unmark(vertex);
         } else {

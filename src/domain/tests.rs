@@ -130,11 +130,7 @@ fn a_wedge_of_five_degrees() {
 fn what_is_merged_onto_a_sharp_segment_knows_it() {
     use super::boundary::SHARP;
     let mut plc = prism(&[[0.0, 0.0], [1.0, 0.0], [0.8, 0.6]], 1.0);
-    let mut state = 11u64;
-    let mut next = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut next = crate::samples::numbers(11);
     // Near the edge at 37°, and along all of it.
     let near: Vec<[f64; 3]> =
         (0..300).map(|_| [next(), next(), next()]).map(|[r, s, z]| [0.3 * r, 0.2 * r * s, z]).collect();

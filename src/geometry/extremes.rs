@@ -51,11 +51,7 @@ mod tests {
 
     #[test]
     fn the_extremes_are_those_of_all() {
-        let mut state = 11u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = crate::samples::numbers(11);
         let mut tets: Vec<[DVec3; 4]> =
             (0..2000).map(|_| std::array::from_fn(|_| DVec3::new(next(), next(), next()))).collect();
         // Right angles, which have the cotangent 0, and one without volume.

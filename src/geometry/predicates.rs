@@ -483,11 +483,7 @@ mod tests {
 
     #[test]
     fn four_at_once_say_what_one_says() {
-        let mut state = 3u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = crate::samples::numbers(3);
         let scattered: Vec<DVec3> = (0..300).map(|_| DVec3::new(next(), next(), next())).collect();
         // Nearly on a sphere, far from the origin.
         let shell: Vec<DVec3> =

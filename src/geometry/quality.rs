@@ -320,11 +320,7 @@ mod tests {
 
     #[test]
     fn four_at_a_time_are_as_one_by_one() {
-        let mut state = 7u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = crate::samples::numbers(7);
         let corner_of_box = |leg: f64| [[0., 0., 0.], [1., 0., 0.], [0., 2., 0.], [0., 0., leg]].map(DVec3::from);
         for turn in 0..4000 {
             let scale = 2f64.powi(turn % 400 - 200);

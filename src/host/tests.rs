@@ -1,21 +1,8 @@
 use glam::{DQuat, EulerRot};
 
 use super::*;
+use crate::samples::random_points;
 use crate::{Control, Error, Mesh, Origin, Plc, RefineOptions, Rule, Sparsify, StepOptions, Triangulation};
-
-/// A value-stable source of numbers in [0, 1).
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-fn random_points(count: usize, seed: u64) -> Vec<DVec3> {
-    let mut next = numbers(seed);
-    (0..count).map(|_| DVec3::new(next(), next(), next()) * 2.0 - 1.0).collect()
-}
 
 fn boxed(points: &[DVec3], half: f64) -> Vec<DVec3> {
     Plc::boxed(DVec3::splat(-half), DVec3::splat(half), points.iter().copied()).points

@@ -36,12 +36,11 @@ impl Refiner<'_> {
     pub(super) fn meets_wall(&mut self, p: DVec3, start: u32, demand: Demand) -> Option<Placed> {
         let Refiner { t, boundary, encroached, near_side, .. } = self;
         let (t, boundary) = (&**t, &**boundary);
-        let on_boundary = |&v: &u32| v != GHOST && boundary.kind(v) != 0;
         let corners = t.topology.tet(start).v;
         let mut filter = t.filter.clone();
         filter.extend(p);
         // Away from the boundary few samples are beyond it, and the quick walk, which knows no walls, shows most of the others.
-        if !corners.iter().any(on_boundary) {
+        if corners.iter().all(|&v| boundary.kind(v) == 0) {
             let end = t.walk_within(&filter, p, start, &self.control).ok()?;
             if !t.topology.tet(end).is_ghost() && t.topology.same_label(start, end) {
                 return None;
@@ -86,7 +85,7 @@ impl Refiner<'_> {
                     encroached.facets.push(face);
                 }
             }
-            if v.iter().filter(|v| on_boundary(v)).count() < 2 {
+            if !boundary.may_have_edge(v) {
                 continue;
             }
             for [i, j] in EDGES {
@@ -175,18 +174,14 @@ mod tests {
     use crate::geometry::flush_tiny;
     use crate::geometry::quality::exceeds_radius_edge;
     use crate::refine::queue::shortest_edge;
+    use crate::samples::random_points;
     use crate::triangulation::cavity::Cavity;
     use crate::{Control, Mesh, Plc, RefineOptions};
 
     /// Points up to the sides of a box, which are two triangles each: nearly all samples near a side lie beyond it.
     #[test]
     fn what_is_met_from_anywhere_is_what_the_whole_cavity_meets() {
-        let mut state = 5u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        let points: Vec<DVec3> = (0..400).map(|_| DVec3::new(next(), next(), next())).collect();
+        let points = random_points(400, 5);
         let mut mesh = Mesh::from_plc(&Plc::boxed(DVec3::NEG_ONE, DVec3::ONE, points), &Control::new()).unwrap();
         let (t, boundary) = mesh.parts();
         let mut refiner = Refiner::new(t, boundary.unwrap(), &RefineOptions::default());

@@ -402,13 +402,10 @@ impl<'a> Refiner<'a> {
 
     /// Whether there are partners on the boundary for the vertex that the last insertion has brought.
     fn has_partner_on_boundary(&self, v: u32) -> bool {
-        let Some(sparsifier) = &self.sparsifier else { return false };
-        let boundary = &*self.boundary;
-        let on_boundary = |&w: &u32| w != GHOST && boundary.kind(w) != 0;
+        let (Some(sparsifier), boundary) = (&self.sparsifier, &*self.boundary) else { return false };
         // Of a larger star nothing could be made.
-        let near =
-            self.cavity.created.iter().take(MANY).flat_map(|&tet| self.t.topology.tet(tet).v).filter(on_boundary);
-        boundary.lazy && near.into_iter().any(|w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
+        let mut near = self.cavity.created.iter().take(MANY).flat_map(|&tet| self.t.topology.tet(tet).v);
+        near.any(|w| boundary.kind(w) != 0 && sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
     }
 
     /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.

@@ -70,8 +70,6 @@ impl Refiner<'_> {
             (_, Err(Unplaced::Cancelled)) => Err(Error::Cancelled),
             (false, Ok(())) => {
                 self.find_encroached(p)?;
-                let next = self.t.next_vertex();
-                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
                 let room = self.rim_distance(p)?;
                 if room < self.min_edge && !self.boundary.recovering {
                     return Ok(self.block_segment(edge, NEVER));
@@ -79,6 +77,8 @@ impl Refiner<'_> {
                 if let Some(reach) = self.forbidden((p, room), &edge, demand) {
                     return Ok(self.block_segment(edge, reach));
                 }
+                let next = self.t.next_vertex();
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }

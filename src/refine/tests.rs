@@ -1,17 +1,8 @@
 use super::*;
-use crate::samples::on_a_sphere;
+use crate::samples::{numbers, on_a_sphere};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::Unplaced;
 use crate::{Control, DVec3, Error, Mesh, Plc, PlcFacet, Triangulation};
-
-/// A value-stable source of numbers in [0, 1).
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn random_box(count: usize, seed: u64) -> Plc {
     let mut next = numbers(seed);

@@ -138,9 +138,7 @@ impl Effort {
             },
         }
     }
-}
 
-impl Effort {
     /// For a vertex that has come on the boundary, or beside it: they are few, and one of five finds a partner.
     fn at_boundary(self) -> Effort {
         Effort {
@@ -369,6 +367,10 @@ struct Odds {
 }
 
 impl Odds {
+    const FIRST: usize = 100;
+    const RARE: usize = 16;
+    const SOME: usize = 12;
+
     /// Whether it is worth a try. Where fewer than one of [`RARE`](Self::RARE) have come to something, one of [`SOME`](Self::SOME) is, to see whether it still is so.
     fn are_good(&mut self) -> bool {
         self.turns += 1;
@@ -377,10 +379,6 @@ impl Odds {
         self.tried += usize::from(worth);
         worth
     }
-
-    const FIRST: usize = 100;
-    const RARE: usize = 16;
-    const SOME: usize = 12;
 }
 
 /// Vertices to be tried, each once at a time, first come first served.

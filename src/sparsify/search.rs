@@ -19,7 +19,6 @@ use super::{Demand, Effort, Sparsifier};
 use crate::domain::{Boundary, Carrier, Unsplit};
 use crate::geometry::flush_tiny;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -149,8 +148,7 @@ impl Sparsifier {
 
     /// Puts `w` among the neighbours of `p` that are worth a try if it is, once.
     fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, partners: Partners) {
-        let is_free = boundary.kind(w) == 0;
-        if w < self.first || w == GHOST || !partners.contain(is_free) || boundary.kept && !is_free {
+        if !self.may_go(t, boundary, w) || !partners.contain(boundary.kind(w) == 0) {
             return;
         }
         let distance = t.at(w).distance(p);

@@ -5,24 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::forecast::{Demand, Forecast};
 use crate::domain::Unsplit;
 use crate::refine::{RefineOptions, RefineStatus};
+use crate::samples::{numbers, random_points};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::{Hole, Replacement};
 use crate::triangulation::topology::GHOST;
 use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, Rule, Sparsify, Triangulation};
-
-/// A value-stable source of numbers in [0, 1).
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-fn random_points(count: usize, seed: u64) -> Vec<DVec3> {
-    let mut next = numbers(seed);
-    (0..count).map(|_| DVec3::new(next(), next(), next()) * 2.0 - 1.0).collect()
-}
 
 fn random_box(count: usize, seed: u64) -> Plc {
     Plc::boxed(DVec3::splat(-1.5), DVec3::splat(1.5), random_points(count, seed))

@@ -1,22 +1,14 @@
 use super::*;
+use crate::samples::numbers;
 use crate::Mesh;
 
-/// Numbers from 0 to 1, the same ones each time.
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 fn uniform(n: usize) -> Vec<DVec3> {
-    let mut next = random(5);
+    let mut next = numbers(5);
     (0..n).map(|_| DVec3::new(next(), next(), next())).collect()
 }
 
 fn sphere(n: usize) -> Vec<DVec3> {
-    let mut next = random(6);
+    let mut next = numbers(6);
     let mut points = Vec::new();
     while points.len() < n {
         let p = DVec3::new(next(), next(), next()) * 2.0 - 1.0;
@@ -34,7 +26,7 @@ fn grid([x, y, z]: [usize; 3], unit: f64) -> Vec<DVec3> {
 
 /// Half of the points in tight clusters.
 fn clustered(n: usize) -> Vec<DVec3> {
-    let mut next = random(7);
+    let mut next = numbers(7);
     let mut points = uniform(n / 2);
     for i in 0..n - n / 2 {
         let centre = DVec3::new((i % 3) as f64, (i % 2) as f64, 0.25);

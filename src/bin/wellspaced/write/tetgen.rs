@@ -11,11 +11,16 @@ use super::number::{Line, Shortest};
 pub fn write_node(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io::Result<()> {
     let marked = markers.iter().any(|&marker| marker != 0);
     writeln!(out, "{} 3 0 {}", points.len(), u8::from(marked))?;
+    write_points(out, points, if marked { markers } else { &[] })
+}
+
+/// Writes numbered points, each with its marker if there are any.
+fn write_points(out: &mut dyn Write, points: &[DVec3], markers: &[i32]) -> io::Result<()> {
     let mut line = Line::default();
     for (number, point) in points.iter().enumerate() {
         line.push(number);
         point.to_array().into_iter().try_for_each(|x| line.push_real(x))?;
-        if let Some(&marker) = markers.get(number).filter(|_| marked) {
+        if let Some(&marker) = markers.get(number) {
             line.push(marker);
         }
         line.end(out)?;
@@ -54,13 +59,7 @@ pub fn write_marked<const N: usize>(out: &mut dyn Write, elements: &[([u32; N], 
 pub fn write_poly(out: &mut dyn Write, plc: &Plc) -> io::Result<()> {
     let point_markers = plc.point_markers.len() == plc.points.len() && !plc.points.is_empty();
     writeln!(out, "{} 3 0 {}", plc.points.len(), u8::from(point_markers))?;
-    for (number, point) in plc.points.iter().enumerate() {
-        write!(out, "{number} {} {} {}", Shortest(point.x), Shortest(point.y), Shortest(point.z))?;
-        match point_markers {
-            true => writeln!(out, " {}", plc.point_markers[number])?,
-            false => writeln!(out)?,
-        }
-    }
+    write_points(out, &plc.points, if point_markers { &plc.point_markers } else { &[] })?;
     let mut facet_markers = plc.facets.iter().map(|f| f.marker).chain(plc.segments.iter().map(|s| s.marker));
     let facet_markers = facet_markers.any(|marker| marker != 0);
     writeln!(out, "{} {}", plc.facets.len() + plc.segments.len(), u8::from(facet_markers))?;
@@ -77,7 +76,7 @@ pub fn write_poly(out: &mut dyn Write, plc: &Plc) -> io::Result<()> {
             }
             writeln!(out)?;
         }
-        write_seeds(out, &facet.holes)?;
+        write_points(out, &facet.holes, &[])?;
     }
     for segment in &plc.segments {
         match facet_markers {
@@ -87,7 +86,7 @@ pub fn write_poly(out: &mut dyn Write, plc: &Plc) -> io::Result<()> {
         writeln!(out, "2 {} {}", segment.ends[0], segment.ends[1])?;
     }
     writeln!(out, "{}", plc.holes.len())?;
-    write_seeds(out, &plc.holes)?;
+    write_points(out, &plc.holes, &[])?;
     writeln!(out, "{}", plc.regions.len())?;
     for (number, region) in plc.regions.iter().enumerate() {
         let [x, y, z] = region.point.to_array().map(Shortest);
@@ -96,13 +95,6 @@ pub fn write_poly(out: &mut dyn Write, plc: &Plc) -> io::Result<()> {
             Some(volume) => writeln!(out, " {}", Shortest(volume))?,
             None => writeln!(out)?,
         }
-    }
-    Ok(())
-}
-
-fn write_seeds(out: &mut dyn Write, seeds: &[DVec3]) -> io::Result<()> {
-    for (number, seed) in seeds.iter().enumerate() {
-        writeln!(out, "{number} {} {} {}", Shortest(seed.x), Shortest(seed.y), Shortest(seed.z))?;
     }
     Ok(())
 }
