@@ -572,6 +572,16 @@ impl Mesh {
         }
     }
 
+    /// The tetrahedra of the domain, or all without one, each with its region: as [`view`](Self::view) has them, for those who go through them once.
+    pub fn elements(&self) -> impl Iterator<Item = ([u32; 4], u32)> + '_ {
+        self.inside().map(|t| (self.t.topology.tet(t).v, self.region(t)))
+    }
+
+    /// The region of a tetrahedron in the domain, as a view has it.
+    fn region(&self, t: u32) -> u32 {
+        self.t.topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)))
+    }
+
     /// The tetrahedra of the domain.
     pub(crate) fn inside(&self) -> impl Iterator<Item = u32> + '_ {
         self.t.topology.finite().filter(|&t| self.t.is_inside(t))
@@ -664,7 +674,6 @@ impl Mesh {
                 inside.push(t);
             }
         }
-        let region = |t: u32| topology.region.get(t as usize).map_or(0, |&label| u32::from(label.saturating_sub(1)));
         let mut view = InPieces::new(View::default(), control);
         memory::reserve_exact(&mut view.tetrahedra, inside.len(), WHAT)?;
         memory::reserve_exact(&mut view.neighbours, inside.len(), WHAT)?;
@@ -676,7 +685,7 @@ impl Mesh {
             }
             view.tetrahedra.extend(block.iter().map(|&t| topology.tet(t).v));
             view.neighbours.extend(block.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])));
-            view.regions.extend(block.iter().map(|&t| region(t)));
+            view.regions.extend(block.iter().map(|&t| self.region(t)));
         }
         Ok(view.keep())
     }

@@ -92,7 +92,10 @@ fn a_box_with_a_cavity() {
     plc.regions.push(PlcRegion { point: DVec3::new(1.5, 2.0, 2.0), attribute: 1.0, max_volume: None });
     let (mesh, report) = meshed(&plc, 2.0, 64.0);
     assert_eq!(report.bad, 0);
-    assert!(mesh.view().regions.contains(&0) && mesh.view().regions.contains(&1));
+    let view = mesh.view();
+    assert!(view.regions.contains(&0) && view.regions.contains(&1));
+    let elements = view.tetrahedra.iter().copied().zip(view.regions.iter().copied());
+    assert!(mesh.elements().eq(elements));
 }
 
 /// Two boxes one above the other with one facet between them.

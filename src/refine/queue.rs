@@ -125,8 +125,20 @@ struct Buckets {
 }
 
 impl Buckets {
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, bucket: u32, entry: Waiting) -> Result<(), Error> {
+        let place = bucket.wrapping_sub(self.first) as usize;
+        if let Some(list) = self.lists.get_mut(place).filter(|list| !list.is_empty() && list.len() < list.capacity()) {
+            list.push(entry);
+            return Ok(());
+        }
+        self.push_with_room(bucket, entry)
+    }
+
+    /// [`push`](Self::push) where there may be no place, no room or nothing yet.
+    #[cold]
+    #[inline(never)]
+    fn push_with_room(&mut self, bucket: u32, entry: Waiting) -> Result<(), Error> {
         let place = bucket.wrapping_sub(self.first) as usize;
         let place = if place < self.lists.len() { place } else { self.make_place(bucket) };
         let list = &mut self.lists[place];
@@ -208,7 +220,7 @@ pub fn shortest_edge(t: &Triangulation, tet: u32) -> ([usize; 2], f64) {
 
 impl Queue {
     /// Queues a tetrahedron, whose shortest edge squared that is.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
         self.count += 1;
         let bucket = bucket(shortest.to_bits());
@@ -218,6 +230,7 @@ impl Queue {
         self.push_current(t, tet, shortest)
     }
 
+    #[inline(never)]
     fn push_current(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
         if self.heap.len() == self.heap.capacity() {
             self.heap.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;

@@ -29,8 +29,7 @@ impl Sparsifier {
         let replacement = Replacement { remove: &found.remove, add: add.map(|(_, p, _)| p) };
         let named = |v: u32| if v == ADDED { new } else { v };
         let is_wall = |face: [u32; 3]| boundary.wall(face.map(named)).is_some();
-        let guess = (&self.pair.guess.going[..], &self.pair.guess.coming[..]);
-        let seen = if found.guess && t.certify(&replacement, guess, &is_wall, &mut self.hole) {
+        let seen = if found.guess && t.certify(&replacement, &self.pair.guess, &is_wall, &mut self.hole) {
             Ok(())
         } else {
             t.preview(&replacement, &is_wall, &mut self.hole)

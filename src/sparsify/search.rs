@@ -237,7 +237,7 @@ impl Sparsifier {
                 }
             }
             if worst <= 1.0 {
-                let guess = all_free && pair.foresee(t, boundary, flush_tiny(place), demand);
+                let guess = all_free && pair.foresee(t, boundary, flush_tiny(place));
                 return Some(Found { remove, add: Some((place, carrier)), plan, guess });
             }
         }

@@ -380,15 +380,17 @@ fn a_forecast_of_a_point_tells_the_worst_that_comes() {
         }
         assert!((outcome / worst - 1.0).abs() < 1e-6, "{outcome} {worst}");
         // And what comes in full is what an exact look finds.
-        assert!(forecast.foresee(&t, &boundary, p, demand));
+        assert!(forecast.foresee(&t, &boundary, p));
         let sorted = |mut v: [u32; 4]| {
             v.sort_unstable();
             v
         };
         let exact: BTreeSet<[u32; 4]> = hole.coming.iter().map(|coming| sorted(coming.v)).collect();
-        assert_eq!(forecast.guess.coming.iter().map(|&v| sorted(v)).collect::<BTreeSet<_>>(), exact);
+        assert_eq!(forecast.guess.coming.iter().map(|coming| sorted(coming.v)).collect::<BTreeSet<_>>(), exact);
         let going: BTreeSet<u32> = hole.going.iter().map(|going| going.t).collect();
         assert_eq!(forecast.guess.going.iter().copied().collect::<BTreeSet<_>>(), going);
+        let replacement = Replacement { remove: &[v], add: Some(p) };
+        assert!(t.certify(&replacement, &forecast.guess, &|_| false, &mut hole));
         seen += 1;
     }
     assert!(seen > 200, "{seen}");

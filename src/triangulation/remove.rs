@@ -15,6 +15,7 @@ mod faces;
 
 use glam::DVec3;
 
+pub use certify::{Guess, Linked};
 use faces::{oriented_face, rotated, FaceTable};
 
 use super::cavity::Cavity;
@@ -89,10 +90,7 @@ pub struct Hole {
     flat: bool,
     faces: Vec<HoleFace>,
     by_vertices: FaceTable,
-    /// Scratch of `certify`: the faces between those that come.
-    inner: FaceTable,
-    halves: Vec<u32>,
-    /// One byte a tetrahedron: whether it goes.
+    /// One byte a tetrahedron: whether it goes; `certify` notes there which of its faces have been found.
     marks: Vec<u8>,
     /// By vertex id: its number in the small triangulation.
     local: Vec<u32>,

@@ -5,7 +5,6 @@ use std::io::Write;
 
 use glam::DVec3;
 use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
-use wellspaced::mesh::MeshView;
 use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Sizing, Unrefined};
 
 use crate::args::{Delaunay, Files, Refine};
@@ -118,14 +117,13 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
     drop(bar);
     let vertices = mesh.triangulation().vertex_count();
     save(files, &mesh, vertices, &input.content, &mut seconds)?;
-    let view = mesh.view();
-    let (worst_radius_edge, min_dihedral_degrees) = extremes(&view);
+    let (worst_radius_edge, min_dihedral_degrees) = extremes(&mesh);
     print(
         files,
         &Report {
             input_vertices: vertices,
             vertices,
-            tetrahedra: view.tetrahedra.len(),
+            tetrahedra: mesh.elements().count(),
             steiner: 0,
             bad: None,
             unrefined: None,
@@ -148,8 +146,9 @@ fn triangulated(points: &[DVec3], threads: usize, control: &Control) -> Result<M
 }
 
 /// The largest radius-edge ratio and the smallest dihedral angle, as [`RefineReport`] has them.
-fn extremes(view: &MeshView) -> (f64, f64) {
-    let shapes = view.tetrahedra.iter().map(|t| t.map(|corner| view.points[corner as usize]));
+fn extremes(mesh: &Mesh) -> (f64, f64) {
+    let points = mesh.triangulation().points();
+    let shapes = mesh.elements().map(|(t, _)| t.map(|corner| points[corner as usize]));
     shapes.fold((0.0, 180.0), |(worst, least), shape| {
         (f64::max(worst, radius_edge(shape)), f64::min(least, min_dihedral_degrees(shape)))
     })

@@ -5,11 +5,12 @@
 //! - the hole that some vertices leave is opened ([`open`](Forecast::open)) and filled ([`fill`](Forecast::fill)) by gift wrapping (`wrap`);
 //! - where a hole and its filling are known, that of one vertex more follows from them (`more`), and a point's cavity, as long as it is not
 //!   inserted, is the filling of the hole that it would leave;
-//! - [`try_point`](Forecast::try_point) inserts a point into a filling (`place`).
+//! - [`try_point`](Forecast::try_point) inserts a point into a filling (`place`), and [`foresee`](Forecast::foresee) says what that would change in full.
 //!
 //! Nothing rests on the answers: what is found is decided exactly before it is done, and a hole where rounding leaves the wrapping open is
 //! passed over. The operations are the same on every machine, whatever their width, so the choices are too.
 
+mod foresee;
 mod more;
 mod place;
 mod wrap;
@@ -17,9 +18,10 @@ mod wrap;
 use glam::DVec3;
 
 pub use place::Space;
-use wrap::OpenFaces;
+use wrap::{Corners, OpenFaces};
 
 use crate::domain::{Boundary, Unsplit};
+use crate::triangulation::remove::Guess;
 use crate::triangulation::topology::{tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, Error};
@@ -49,27 +51,31 @@ pub struct Filling {
 /// A face between the hole and the rest.
 #[derive(Clone, Copy, Debug)]
 struct Rim {
-    /// Its handle beyond the hole, [`WALL`] when no cavity may cross it.
+    /// Its handle beyond the hole; [`NOTHING`] for a subfacet that is still to come.
     beyond: u32,
     /// The sphere there.
     center: DVec3,
     radius2: f64,
     /// The face of the filling inside, `4·position + slot`.
     inside: u16,
-    /// The facet of a subfacet.
+    /// The facet of a subfacet, which no cavity may cross; or [`NOTHING`].
     facet: u32,
 }
 
 impl Rim {
-    fn new(beyond: u32) -> Rim {
-        Rim { beyond, center: DVec3::ZERO, radius2: -1.0, inside: 0, facet: WALL }
+    fn new(beyond: u32, facet: Option<u32>) -> Rim {
+        Rim { beyond, center: DVec3::ZERO, radius2: -1.0, inside: 0, facet: facet.unwrap_or(NOTHING) }
+    }
+
+    fn is_wall(&self) -> bool {
+        self.facet != NOTHING
     }
 }
 
 /// A tetrahedron that is still to come.
 const ABSENT: u32 = u32::MAX;
-/// Beyond a wall: a subfacet, or the hull.
-const WALL: u32 = u32::MAX;
+/// No handle, no facet.
+const NOTHING: u32 = u32::MAX;
 /// Marks the place of a rim face among [`Filling::n`].
 const RIM: u16 = 1 << 15;
 /// The slots of the face opposite each slot, counterclockwise seen from inside.
@@ -103,11 +109,12 @@ pub struct Forecast {
     going: Vec<u32>,
     rim: Vec<Rim>,
     open: OpenFaces,
+    corners: Corners,
     /// By position in `going`.
     parts: Vec<u32>,
     /// Scratch of `more`: the tetrahedra at its vertex.
     star: Vec<u32>,
-    /// Scratch of `more`: by position in the filling that was known, that in the new one.
+    /// Scratch of `more`: by position in the filling that was known, that in the new one. Of `foresee`: that among what comes.
     position: Vec<u16>,
     /// What fills the hole.
     pub filling: Vec<Filling>,
@@ -119,15 +126,7 @@ pub struct Forecast {
     pub push: DVec3,
     /// What would go and what would come with the point that was decided for.
     pub guess: Guess,
-}
-
-/// A change in full.
-#[derive(Clone, Debug, Default)]
-pub struct Guess {
-    /// The tetrahedra that go.
-    pub going: Vec<u32>,
-    /// The vertices of those that come, [`ADDED`](crate::triangulation::remove::ADDED) for the new point.
-    pub coming: Vec<[u32; 4]>,
+    links: foresee::Links,
 }
 
 /// Circumcentre and squared circumradius.
@@ -220,7 +219,7 @@ impl Forecast {
                 let Some((_, change)) = plan.facets.iter().find(|(f, _)| *f == facet) else { return false };
                 for &[a, b, c] in &change.created {
                     let face = if forward { [a, b, c] } else { [a, c, b] }.map(|v| self.number_of(t, v));
-                    self.open_wall(face, facet);
+                    self.open_rim(face, Rim::new(NOTHING, Some(facet)));
                 }
             }
             if !self.wrap(demand, most) {
@@ -257,25 +256,15 @@ impl Forecast {
                         sides.push((facet, forward));
                     }
                 }
-                Some(facet) => {
+                // Nothing but a subfacet parts the domain from what is outside, unless one could not be recovered.
+                None if !t.is_inside(beyond) => return false,
+                _ => {
                     let face = face.map(|v| self.number_of(t, v));
-                    self.open_wall(face, facet);
-                }
-                None => {
-                    let face = face.map(|v| self.number_of(t, v));
-                    // Nothing but a subfacet parts the domain from what is outside, unless one could not be recovered.
-                    if !t.is_inside(beyond) {
-                        return false;
-                    }
-                    self.open_rim(face, Rim::new(behind));
+                    self.open_rim(face, Rim::new(behind, facet));
                 }
             }
         }
         self.vertices.len() <= MAX_VERTICES
-    }
-
-    fn open_wall(&mut self, face: [u8; 3], facet: u32) {
-        self.open_rim(face, Rim { facet, ..Rim::new(WALL) });
     }
 
     fn open_rim(&mut self, face: [u8; 3], rim: Rim) {
@@ -357,11 +346,9 @@ impl Forecast {
             *number = count.min(MAX_VERTICES) as u8;
             self.vertices.push(v);
             let p = t.at(v) - self.origin;
-            // The wrapping of another part may have added places that belong to nobody.
-            for (list, x) in [(&mut self.x, p.x), (&mut self.y, p.y), (&mut self.z, p.z)] {
-                list.truncate(count);
-                list.push(x);
-            }
+            self.x.push(p.x);
+            self.y.push(p.y);
+            self.z.push(p.z);
         }
         *number
     }

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, RIM, WALL};
+use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, RIM};
 use crate::domain::Boundary;
 use crate::geometry::quality::EDGES;
 use crate::memory;
@@ -102,8 +102,7 @@ impl Forecast {
                     if facet.is_none() && !closed && !t.is_inside(beyond) {
                         return false;
                     }
-                    let rim = facet.map_or(Rim::new(behind), |facet| Rim { facet, ..Rim::new(WALL) });
-                    self.rim.push(Rim { inside: 4 * i as u16 + slot as u16, ..rim });
+                    self.rim.push(Rim { inside: 4 * i as u16 + slot as u16, ..Rim::new(behind, facet) });
                     RIM | (self.rim.len() - 1) as u16
                 };
             }
@@ -148,11 +147,8 @@ impl Forecast {
         for (&v, number) in known.vertices.iter().zip(0..) {
             self.number[v as usize] = number;
         }
-        let count = known.vertices.len();
         for (list, other) in [(&mut self.x, &known.x), (&mut self.y, &known.y), (&mut self.z, &known.z)] {
-            list.extend_from_slice(&other[..count]);
-            // It is nobody's apex.
-            list[number as usize] = f64::NAN;
+            list.extend_from_slice(other);
         }
         self.going.extend_from_slice(&known.going);
         debug_assert!(self.going.iter().all(|&id| self.marks[id as usize] & KNOWN != 0));
@@ -235,7 +231,7 @@ impl Forecast {
                     } else {
                         let rim = known.rim[(behind & !RIM) as usize];
                         let beyond = tet_of(rim.beyond);
-                        if rim.beyond == WALL || !new.may_have(beyond) || self.marks[beyond as usize] & STAR == 0 {
+                        if rim.is_wall() || !new.may_have(beyond) || self.marks[beyond as usize] & STAR == 0 {
                             n[slot] = RIM | self.rim.len() as u16;
                             self.rim.push(Rim { inside: handle, ..rim });
                             continue;
@@ -276,8 +272,7 @@ impl Forecast {
                 return false;
             }
             let face = face.map(|v| self.number_of(t, v));
-            let rim = facet.map_or(Rim::new(tet.n[slot]), |facet| Rim { facet, ..Rim::new(WALL) });
-            self.open_rim(face, rim);
+            self.open_rim(face, Rim::new(tet.n[slot], facet));
         }
         self.vertices.len() <= MAX_VERTICES
     }

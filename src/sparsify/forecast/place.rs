@@ -3,9 +3,8 @@
 
 use glam::DVec3;
 
-use super::{sphere, Demand, Filling, Forecast, Guess, ABSENT, FACE, RIM, WALL};
+use super::{sphere, Demand, Filling, Forecast, FACE, RIM};
 use crate::domain::Boundary;
-use crate::triangulation::remove::ADDED;
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Triangulation;
 
@@ -82,8 +81,8 @@ impl Forecast {
         self.fetch_rim(t);
         let mut star = Star::new(q, demand, cap);
         self.beyond.clear();
-        let fits = self.join_within(t, on, &mut star)
-            && self.join_beyond(t, boundary, on, &mut star)
+        let fits = self.join_within(t, q, on, &mut star)
+            && self.join_beyond(t, boundary, q, on, &mut star)
             && self.join_rim(&mut star)
             && star.finish();
         for &id in &self.beyond {
@@ -100,71 +99,43 @@ impl Forecast {
         }
     }
 
-    /// Says in full what the insertion of `p`, on no facet, would change: the [`Guess`](super::Guess). False when it can't be done.
-    pub fn foresee(&mut self, t: &Triangulation, boundary: &Boundary, p: DVec3, demand: Demand) -> bool {
-        let q = p - self.origin;
-        self.hit.clear();
-        self.hit.extend(self.filling.iter().map(|tet| q.distance_squared(tet.center) < tet.radius2));
-        let mut star = Star::new(q, demand, f64::INFINITY);
-        self.guess.coming.clear();
-        star.coming = Some(std::mem::take(&mut self.guess.coming));
-        self.beyond.clear();
-        let fits = self.join_within(t, &[], &mut star)
-            && self.join_beyond(t, boundary, &[], &mut star)
-            && self.join_rim(&mut star);
-        let Guess { going, coming } = &mut self.guess;
-        *coming = star.coming.unwrap_or_default();
-        // What is there already and stays is marked: it does not go.
-        for (tet, _) in self.filling.iter().zip(&self.hit).filter(|(_, &hit)| !hit) {
-            if tet.id == ABSENT {
-                coming.push(tet.v.map(|v| self.vertices[v as usize]));
-            } else {
-                self.marks[tet.id as usize] = 0;
-            }
-        }
-        going.clear();
-        going.extend(self.going.iter().filter(|&&id| self.marks[id as usize] != 0).chain(&self.beyond));
-        for &id in &self.beyond {
-            self.marks[id as usize] = 0;
-        }
-        fits
-    }
-
     /// Asks for what is beyond the rim where the cavity reaches it, if it has not been looked at.
     fn fetch_rim(&self, t: &Triangulation) {
         for (tet, _) in self.filling.iter().zip(&self.hit).filter(|(_, &hit)| hit) {
             for &n in tet.n.iter().filter(|&&n| n & RIM != 0) {
                 let rim = &self.rim[(n & !RIM) as usize];
-                if rim.beyond != WALL && rim.radius2 < 0.0 {
+                if !rim.is_wall() && rim.radius2 < 0.0 {
                     t.topology.prefetch(tet_of(rim.beyond));
                 }
             }
         }
     }
 
-    /// The cavity inside the filling.
-    fn join_within(&mut self, t: &Triangulation, on: &[u32], star: &mut Star) -> bool {
+    /// The cavity of `q` inside the filling: its surface goes to `surface`.
+    pub(super) fn join_within(&mut self, t: &Triangulation, q: DVec3, on: &[u32], surface: &mut impl Surface) -> bool {
         for i in 0..self.filling.len() {
             if !self.hit[i] {
                 continue;
             }
             let Filling { v, n, .. } = self.filling[i];
             for (slot, &n) in n.iter().enumerate() {
+                let mut behind = Behind::Filling(n);
                 if n & RIM == 0 {
                     if self.hit[(n >> 2) as usize] {
                         continue;
                     }
                 } else {
                     let rim = &mut self.rim[(n & !RIM) as usize];
+                    behind = Behind::Outside(rim.beyond);
                     if on.contains(&rim.facet) {
                         continue;
                     }
-                    if rim.beyond != WALL {
+                    if !rim.is_wall() {
                         let id = tet_of(rim.beyond);
                         if rim.radius2 < 0.0 {
                             (rim.center, rim.radius2) = sphere(t.corners(id).map(|p| p - self.origin));
                         }
-                        if star.q.distance_squared(rim.center) < rim.radius2 {
+                        if q.distance_squared(rim.center) < rim.radius2 {
                             if self.marks[id as usize] == 0 {
                                 self.marks[id as usize] = 1;
                                 self.beyond.push(id);
@@ -173,7 +144,8 @@ impl Forecast {
                         }
                     }
                 }
-                if !star.join(FACE[slot].map(|k| self.at(v[k])), || FACE[slot].map(|k| self.vertices[v[k] as usize])) {
+                let corners = || FACE[slot].map(|k| self.at(v[k]));
+                if !surface.join(corners, || FACE[slot].map(|k| self.vertices[v[k] as usize]), behind) {
                     return false;
                 }
             }
@@ -181,14 +153,21 @@ impl Forecast {
         true
     }
 
-    /// The cavity beyond the rim.
-    fn join_beyond(&mut self, t: &Triangulation, boundary: &Boundary, on: &[u32], star: &mut Star) -> bool {
+    /// The cavity of `q` beyond the rim.
+    pub(super) fn join_beyond(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        q: DVec3,
+        on: &[u32],
+        surface: &mut impl Surface,
+    ) -> bool {
         let mut next = 0;
         while next < self.beyond.len() {
             let tet = *t.topology.tet(self.beyond[next]);
             next += 1;
-            for (slot, &n) in tet.n.iter().enumerate() {
-                let n = tet_of(n);
+            for (slot, &behind) in tet.n.iter().enumerate() {
+                let n = tet_of(behind);
                 match boundary.wall(tet.face(slot)) {
                     Some(facet) if on.contains(&facet) => continue,
                     Some(_) => {}
@@ -197,14 +176,15 @@ impl Forecast {
                     None if !t.is_inside(n) => {}
                     None => {
                         let (center, radius2) = sphere(t.corners(n).map(|p| p - self.origin));
-                        if star.q.distance_squared(center) < radius2 {
+                        if q.distance_squared(center) < radius2 {
                             self.marks[n as usize] = 1;
                             self.beyond.push(n);
                             continue;
                         }
                     }
                 }
-                if !star.join(FACE[slot].map(|k| t.at(tet.v[k]) - self.origin), || FACE[slot].map(|k| tet.v[k])) {
+                let corners = || FACE[slot].map(|k| t.at(tet.v[k]) - self.origin);
+                if !surface.join(corners, || FACE[slot].map(|k| tet.v[k]), Behind::Outside(behind)) {
                     return false;
                 }
             }
@@ -216,20 +196,42 @@ impl Forecast {
     }
 
     /// Faces of the rim that only the cavity beyond has reached.
-    fn join_rim(&self, star: &mut Star) -> bool {
+    pub(super) fn join_rim(&self, surface: &mut impl Surface) -> bool {
         self.beyond.is_empty()
             || self.rim.iter().all(|rim| {
                 let (tet, slot) = ((rim.inside >> 2) as usize, (rim.inside & 3) as usize);
-                if rim.beyond == WALL || self.marks[tet_of(rim.beyond) as usize] == 0 || self.hit[tet] {
+                if rim.is_wall() || self.marks[tet_of(rim.beyond) as usize] == 0 || self.hit[tet] {
                     return true;
                 }
                 let [a, b, c] = FACE[slot].map(|k| self.filling[tet].v[k]);
-                star.join([a, c, b].map(|v| self.at(v)), || [a, c, b].map(|v| self.vertices[v as usize]))
+                let corners = || [a, c, b].map(|v| self.at(v));
+                surface.join(corners, || [a, c, b].map(|v| self.vertices[v as usize]), Behind::Filling(rim.inside))
             })
     }
 }
 
-/// The star that a point would get, four faces of its cavity at a time.
+/// What lies behind a face of a cavity's surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Behind {
+    /// A face of the filling, `4·position + slot`.
+    Filling(u16),
+    /// A face handle of the triangulation.
+    Outside(u32),
+}
+
+/// Where the faces of a cavity's surface go.
+pub(super) trait Surface {
+    /// A face: where its corners are, relative to the hole's origin and counterclockwise seen from the point, the vertices, and what is behind.
+    /// False when no more is wanted.
+    fn join(
+        &mut self,
+        corners: impl FnOnce() -> [DVec3; 3],
+        vertices: impl FnOnce() -> [u32; 3],
+        behind: Behind,
+    ) -> bool;
+}
+
+/// The star that a point would get, four faces of its cavity at a time: how bad it is.
 struct Star {
     q: DVec3,
     demand: Demand,
@@ -239,27 +241,22 @@ struct Star {
     /// Faces to be joined, counterclockwise seen from `q`, and how many.
     faces: [[DVec3; 3]; 4],
     count: usize,
-    /// The tetrahedra, if they are wanted.
-    coming: Option<Vec<[u32; 4]>>,
+}
+
+impl Surface for Star {
+    /// Joins a face to the point. False when that is not possible, or too bad.
+    #[inline]
+    fn join(&mut self, corners: impl FnOnce() -> [DVec3; 3], _: impl FnOnce() -> [u32; 3], _: Behind) -> bool {
+        self.faces[self.count] = corners();
+        self.count += 1;
+        self.count < 4 || self.finish()
+    }
 }
 
 impl Star {
     fn new(q: DVec3, demand: Demand, cap: f64) -> Star {
         let none = [DVec3::ZERO; 3];
-        Star { q, demand, cap, worst: 0.0, worst_face: none, faces: [none; 4], count: 0, coming: None }
-    }
-
-    /// Joins a face to the point. False when that is not possible, or too bad.
-    #[inline]
-    fn join(&mut self, face: [DVec3; 3], vertices: impl Fn() -> [u32; 3]) -> bool {
-        if let Some(coming) = &mut self.coming {
-            let [a, b, c] = vertices();
-            coming.push([a, b, c, ADDED]);
-            return true;
-        }
-        self.faces[self.count] = face;
-        self.count += 1;
-        self.count < 4 || self.finish()
+        Star { q, demand, cap, worst: 0.0, worst_face: none, faces: [none; 4], count: 0 }
     }
 
     /// Joins what waits.

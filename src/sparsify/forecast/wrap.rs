@@ -45,14 +45,14 @@ impl OpenFaces {
     #[inline(always)]
     fn take(&mut self, v: [u8; 3]) -> Option<u16> {
         let key = packed(v);
-        const LANES: usize = 8;
-        let chunks = self.keys.chunks_exact(LANES);
+        const KEYS: usize = 8;
+        let chunks = self.keys.chunks_exact(KEYS);
         let rest = chunks.remainder();
         let mut place = None;
         for (i, chunk) in chunks.enumerate() {
             // All of them, and only then which: that takes a few instructions.
             if chunk.iter().fold(false, |found, &k| found | (k == key)) {
-                place = chunk.iter().position(|&k| k == key).map(|lane| i * LANES + lane);
+                place = chunk.iter().position(|&k| k == key).map(|lane| i * KEYS + lane);
                 break;
             }
         }
@@ -69,6 +69,95 @@ impl OpenFaces {
 
     fn len(&self) -> usize {
         self.faces.len()
+    }
+}
+
+/// Corners that are looked at together.
+const LANES: usize = 4;
+
+/// Where four corners are, and their squared distances from the hole's origin. A corner that is not there is at NaN, which is beyond no face.
+#[derive(Clone, Copy, Debug)]
+struct Four {
+    x: [f64; LANES],
+    y: [f64; LANES],
+    z: [f64; LANES],
+    square: [f64; LANES],
+}
+
+/// The corners of the open faces: no other vertex is an apex.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Corners {
+    places: Vec<Four>,
+    /// Their numbers in the hole.
+    number: Vec<u8>,
+    /// The largest distance from the origin.
+    extent: f64,
+}
+
+impl Corners {
+    #[inline(always)]
+    fn begin(&mut self, open: &OpenFaces, at: impl Fn(u8) -> DVec3) {
+        let Corners { places, number, extent } = self;
+        let mut sets = [0u64; 4];
+        for face in &open.faces {
+            for v in face.v {
+                sets[usize::from(v / 64)] |= 1 << (v % 64);
+            }
+        }
+        number.clear();
+        for (mut set, first) in sets.into_iter().zip([0, 64, 128, 192]) {
+            while set != 0 {
+                number.push(first + set.trailing_zeros() as u8);
+                set &= set - 1;
+            }
+        }
+        places.clear();
+        let mut most: f64 = 0.0;
+        for four in number.chunks(LANES) {
+            let none = [f64::NAN; LANES];
+            let mut place = Four { x: none, y: none, z: none, square: none };
+            for (lane, &v) in four.iter().enumerate() {
+                let p = at(v);
+                (place.x[lane], place.y[lane], place.z[lane]) = (p.x, p.y, p.z);
+                place.square[lane] = p.length_squared();
+                most = most.max(place.square[lane]);
+            }
+            places.push(place);
+        }
+        *extent = most.sqrt();
+    }
+
+    /// The one whose sphere through a face has the lowest centre over it, among those beyond it, and that height as a multiple of the normal `n`. `a` is
+    /// a corner of the face, `center` its circumcentre.
+    ///
+    /// A point x is above the plane by h = n·x − n·a, and its power with the circle's own sphere is x² − 2 x·center + center² − (center − a)²: the quotient is twice
+    /// the height.
+    #[inline(always)]
+    fn lowest(&self, a: DVec3, n: DVec3, center: DVec3) -> Option<(u8, f64)> {
+        let (twice_n, twice_center) = (2.0 * n, 2.0 * center);
+        let base = twice_n.dot(a);
+        let constant = center.length_squared() - center.distance_squared(a);
+        // What is nearer to the plane is in it, as far as can be told.
+        let flat = 2e-10 * n.length() * self.extent;
+        let (mut best, mut place) = ([f64::INFINITY; LANES], [0u64; LANES]);
+        for (i, four) in self.places.iter().enumerate() {
+            for lane in 0..LANES {
+                let (x, y, z) = (four.x[lane], four.y[lane], four.z[lane]);
+                let h = (twice_n.x * x + twice_n.y * y + twice_n.z * z) - base;
+                let along = twice_center.x * x + twice_center.y * y + twice_center.z * z;
+                let tau = ((four.square[lane] + constant) - along) / h;
+                let better = (h > flat) & (tau < best[lane]);
+                best[lane] = if better { tau } else { best[lane] };
+                place[lane] = if better { i as u64 } else { place[lane] };
+            }
+        }
+        let mut lane = 0;
+        for other in 1..LANES {
+            if best[other] < best[lane] {
+                lane = other;
+            }
+        }
+        (best[lane] < f64::INFINITY).then(|| (self.number[place[lane] as usize * LANES + lane], best[lane]))
     }
 }
 
@@ -92,10 +181,15 @@ impl Forecast {
     #[inline(always)]
     fn wrap_portable(&mut self, demand: Demand, most: usize) -> bool {
         let limit = self.filling.len() + 4 * self.open.len() + 40;
-        // A place at NaN lies beyond no face.
-        for list in [&mut self.x, &mut self.y, &mut self.z] {
-            list.resize(self.vertices.len().next_multiple_of(4), f64::NAN);
-        }
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.begin(&self.open, |v| self.at(v));
+        let fits = self.wrap_within(&corners, limit, demand, most);
+        self.corners = corners;
+        fits
+    }
+
+    #[inline(always)]
+    fn wrap_within(&mut self, corners: &Corners, limit: usize, demand: Demand, most: usize) -> bool {
         while let Some(face) = self.open.pop() {
             if self.filling.len() >= limit {
                 return false;
@@ -105,8 +199,8 @@ impl Forecast {
             let n = u.cross(w);
             let nn = n.length_squared();
             let offset = (w.length_squared() * n.cross(u) + u.length_squared() * w.cross(n)) / (2.0 * nn);
-            let found = lowest(&self.x, &self.y, &self.z, a, n, 2.0 * offset, 1e-18 * nn);
-            let Some((apex, tau)) = found else { return false };
+            let center = a + offset;
+            let Some((apex, tau)) = corners.lowest(a, n, center) else { return false };
             let d = self.at(apex);
             let shortest2 = u
                 .length_squared()
@@ -120,7 +214,7 @@ impl Forecast {
             let mut tet = Filling {
                 v: [i, j, k, apex],
                 n: [0, 0, 0, face.behind],
-                center: a + offset + tau * n,
+                center: center + tau * n,
                 radius2: offset.length_squared() + tau * tau * nn,
                 id: ABSENT,
             };
@@ -156,31 +250,4 @@ impl Forecast {
             self.rim[(side & !RIM) as usize].inside = other;
         }
     }
-}
-
-/// The vertex whose sphere has the lowest centre over a face, among those beyond it.
-#[inline(always)]
-fn lowest(x: &[f64], y: &[f64], z: &[f64], a: DVec3, n: DVec3, twice: DVec3, flat: f64) -> Option<(u8, f64)> {
-    const LANES: usize = 4;
-    let (mut best, mut place) = ([f64::INFINITY; LANES], [0u64; LANES]);
-    let all = x.chunks_exact(LANES).zip(y.chunks_exact(LANES)).zip(z.chunks_exact(LANES));
-    for (i, ((x, y), z)) in all.enumerate() {
-        for lane in 0..LANES {
-            let (dx, dy, dz) = (x[lane] - a.x, y[lane] - a.y, z[lane] - a.z);
-            let h = n.x * dx + n.y * dy + n.z * dz;
-            let dd = dx * dx + dy * dy + dz * dz;
-            let power = dd - (dx * twice.x + dy * twice.y + dz * twice.z);
-            let tau = power / (2.0 * h);
-            let better = (h > 0.0) & (h * h > flat * dd) & (tau < best[lane]);
-            best[lane] = if better { tau } else { best[lane] };
-            place[lane] = if better { i as u64 } else { place[lane] };
-        }
-    }
-    let mut lane = 0;
-    for other in 1..LANES {
-        if best[other] < best[lane] {
-            lane = other;
-        }
-    }
-    (best[lane] < f64::INFINITY).then(|| (place[lane] as u8 * LANES as u8 + lane as u8, best[lane]))
 }

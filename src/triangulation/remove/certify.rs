@@ -1,26 +1,51 @@
 //! A preview from a guess: who believes to know what would fill a hole, from computations in floating point say, can have that certified, at a fraction of
 //! the cost of finding it. By Delaunay's lemma it is enough to look at single tetrahedra and single faces: tetrahedra that are all positive, whose faces
 //! match each other's and the hole's one to one, fill the hole; and when no face has the vertex beyond it in the sphere of the tetrahedron before it, after
-//! perturbation, the whole is the Delaunay triangulation, of which there is but one.
+//! perturbation, the whole is the Delaunay triangulation of its vertices, of which there is but one. The guess says what is whose neighbour: that
+//! is checked, too, not searched for.
 
-use super::faces::{oriented_face, rotated};
-use super::{Coming, Hole, Replacement, ADDED, REMOVED};
+use super::faces::{oriented_face, same_face};
+use super::{Coming, Hole, HoleFace, Replacement, ADDED, REMOVED};
+use crate::domain::label::OUTSIDE;
 use crate::geometry::ball::Ball;
 use crate::geometry::Sign;
 use crate::memory;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST, NONE};
 use crate::triangulation::Triangulation;
 
+/// A replacement in full, as somebody foresees it: no ghosts.
+#[derive(Clone, Debug, Default)]
+pub struct Guess {
+    /// The tetrahedra that go.
+    pub going: Vec<u32>,
+    /// Those that come.
+    pub coming: Vec<Linked>,
+}
+
+/// A tetrahedron that comes, with its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub struct Linked {
+    /// Vertices, positively oriented; [`ADDED`] for the new point.
+    pub v: [u32; 4],
+    /// Opposite each the other side's face: `4·position + slot` among what comes, or a face handle outside the hole.
+    pub n: [u32; 4],
+    /// Bit by slot: whether the other side is outside the hole.
+    pub rim: u8,
+}
+
+/// Among the numbers of a hole's vertices: one that a tetrahedron which comes has.
+const SEEN: u32 = u32::MAX - 2;
+
 impl Triangulation {
-    /// As [`preview`](Self::preview), if these tetrahedra are what goes and those with these vertices, [`ADDED`] among them, what comes, no ghosts among
-    /// either. False when that is not so, or can't be told; `hole` is empty then.
+    /// As [`preview`](Self::preview), if that is what goes and what comes. False when it is not so, or can't be told; `hole` is empty then.
     pub(crate) fn certify(
         &self,
         replacement: &Replacement,
-        (going, coming): (&[u32], &[[u32; 4]]),
+        guess: &Guess,
         is_wall: &dyn Fn([u32; 3]) -> bool,
         hole: &mut Hole,
     ) -> bool {
+        let going = &guess.going;
         if self.dimension() < 3 || going.is_empty() || self.begin_hole(replacement, hole).is_err() {
             hole.clear();
             return false;
@@ -37,26 +62,93 @@ impl Triangulation {
                 tet.n.iter().for_each(|&n| fetch_mark(tet_of(n), hole));
             }
         }
-        let fits = self.find_faces(hole, &|| true).is_ok()
-            && hole.going.len() == going.len()
-            && self.takes_stars(hole)
-            && match_faces(coming, hole)
-            && self.is_delaunay_in(hole);
+        let fits =
+            hole.going.len() == going.len() && self.take_coming(&guess.coming, hole) && self.is_delaunay_in(hole);
         hole.forget_numbers();
         if !fits {
             hole.clear();
             return false;
         }
-        self.label_coming(is_wall, hole);
+        match self.only_label(hole) {
+            Some(label) => hole.coming.iter_mut().for_each(|coming| coming.label = Some(label)),
+            None => self.label_coming(is_wall, hole),
+        }
         true
     }
 
-    /// Whether all tetrahedra at the vertices that go, go: no face of the hole has one.
-    fn takes_stars(&self, hole: &Hole) -> bool {
-        // Those vertices have no number.
-        let has_number = |key: &[u32; 3]| key.iter().all(|&number| number != REMOVED);
-        hole.by_vertices.keys.iter().all(has_number)
-            && hole.remove.iter().all(|&v| hole.contains(self.topology.vertex_tet[v as usize]))
+    /// The label of all that goes and of all around it, if there is but one.
+    fn only_label(&self, hole: &Hole) -> Option<u16> {
+        let region = &self.topology.region;
+        let label = *region.get(hole.going.first()?.t as usize)?;
+        let all_going = hole.going.iter().all(|going| region[going.t as usize] == label);
+        let is_alone = all_going && hole.faces.iter().all(|face| region[tet_of(face.outside) as usize] == label);
+        is_alone.then_some(label)
+    }
+
+    /// Takes over what comes. False unless it has all vertices of the hole and no others but the new one, and its faces match each other's and the
+    /// hole's one to one. Then all at the vertices that go, goes: no face of the hole has one.
+    fn take_coming(&self, coming: &[Linked], hole: &mut Hole) -> bool {
+        let Hole { going, remove, add, faces, marks, local, vertices, coming: linked, .. } = hole;
+        let mut count = 0;
+        for going in going.iter() {
+            for v in going.v {
+                if local[v as usize] == NONE {
+                    local[v as usize] = vertices.len() as u32;
+                    vertices.push(v);
+                }
+            }
+            count += self.topology.tet(going.t).n.iter().filter(|&&n| marks[tet_of(n) as usize] == 0).count();
+        }
+        if remove.iter().any(|&v| marks[self.topology.vertex_tet[v as usize] as usize] == 0) {
+            return false;
+        }
+        let (mut seen, mut is_added) = (0, false);
+        for (&Linked { v, n, rim }, i) in coming.iter().zip(0..) {
+            for v in v {
+                match local.get_mut(v as usize) {
+                    None if v == ADDED && add.is_some() => is_added = true,
+                    None | Some(&mut (NONE | REMOVED)) => return false,
+                    Some(&mut SEEN) => {}
+                    Some(number) => {
+                        *number = SEEN;
+                        seen += 1;
+                    }
+                }
+            }
+            let mut tet = Coming { v, label: None, small: NONE, n, rim };
+            for (slot, &there) in n.iter().enumerate() {
+                let face = oriented_face(&v, slot);
+                if rim >> slot & 1 == 0 {
+                    if !meets(coming, (4 * i + slot as u32, face), there) {
+                        return false;
+                    }
+                } else {
+                    let Some(found) = self.face_of_hole(face, there, marks) else { return false };
+                    tet.n[slot] = faces.len() as u32;
+                    faces.push(found);
+                }
+            }
+            linked.push(tet);
+        }
+        faces.len() == count && seen == vertices.len() && is_added == add.is_some()
+    }
+
+    /// The face of the hole that is `face`, seen from inside, and is named by its handle outside. None if there is no such face, or it has been found before:
+    /// the marks of what goes tell.
+    fn face_of_hole(&self, face: [u32; 3], outside: u32, marks: &mut [u8]) -> Option<HoleFace> {
+        let beyond = self.topology.tets.get(tet_of(outside) as usize)?;
+        if !beyond.is_live() || marks[tet_of(outside) as usize] != 0 {
+            return None;
+        }
+        let inside = beyond.n[slot_of(outside)];
+        let (mark, found) = (&mut marks[tet_of(inside) as usize], 2 << slot_of(inside));
+        let is_same = same_face(oriented_face(&self.topology.tet(tet_of(inside)).v, slot_of(inside)), face);
+        if *mark == 0 || *mark & found != 0 || !is_same {
+            return None;
+        }
+        *mark |= found;
+        let label = self.topology.region.get(tet_of(inside) as usize).copied().unwrap_or(OUTSIDE);
+        Some(HoleFace { outside, label })
     }
 
     /// Whether what comes is positive, and locally Delaunay among itself and with what is around it.
@@ -91,81 +183,22 @@ impl Triangulation {
     }
 }
 
-/// Links what comes along its faces. False when they don't match one to one, the hole's faces among them.
-fn match_faces(coming: &[[u32; 4]], hole: &mut Hole) -> bool {
-    let Hole { local, by_vertices, inner, halves, faces, coming: linked, vertices, .. } = hole;
-    let number = |v: u32| {
-        if v == ADDED {
-            vertices.first().filter(|&&v| v == ADDED).map(|_| 0)
-        } else {
-            local.get(v as usize).copied()
-        }
-    };
-    let is_number = |n: u32| (n as usize) < vertices.len();
-    // The new vertex is on no face of the hole.
-    let adds = vertices.first() == Some(&ADDED);
-    inner.clear();
-    halves.clear();
-    let mut found = 0;
-    for &v in coming {
-        let mut numbers = [NONE; 4];
-        for (slot, &v) in v.iter().enumerate() {
-            match number(v) {
-                Some(n) if is_number(n) => numbers[slot] = n,
-                _ => return false,
-            }
-        }
-        let i = linked.len() as u32;
-        let mut tet = Coming { v, label: None, small: NONE, n: [NONE; 4], rim: 0 };
-        for slot in 0..4 {
-            let key = rotated(oriented_face(&numbers, slot));
-            let at_rim = if adds && key[0] == 0 { None } else { by_vertices.find(key) };
-            match at_rim {
-                Some(face) => {
-                    tet.n[slot] = face;
-                    tet.rim |= 1 << slot;
-                    found += 1;
-                }
-                None => {
-                    inner.keys.push(key);
-                    halves.push(4 * i + slot as u32);
-                }
-            }
-        }
-        linked.push(tet);
-    }
-    if found != faces.len() {
-        return false;
-    }
-    if inner.index(&|| true).is_err() {
-        return false;
-    }
-    let mut pairs = 0;
-    for (&[a, b, c], &half) in inner.keys.iter().zip(halves.iter()) {
-        // From the other side it goes round the other way.
-        let Some(other) = inner.find(rotated([a, c, b])) else { return false };
-        let other = halves[other as usize];
-        linked[tet_of(half) as usize].n[slot_of(half)] = other;
-        pairs += usize::from(half != other);
-    }
-    // Each face of the hole was found once, and each half has the other one as its own: no key came twice.
-    let mutual = |&half: &u32| {
-        let other = linked[tet_of(half) as usize].n[slot_of(half)];
-        linked[tet_of(other) as usize].n[slot_of(other)] == half
-    };
-    let mut seen = vec![false; faces.len()];
-    let once = linked.iter().all(|tet| {
-        (0..4)
-            .filter(|slot| tet.rim >> slot & 1 != 0)
-            .all(|slot| !std::mem::replace(&mut seen[tet.n[slot] as usize], true))
-    });
-    pairs == halves.len() && halves.iter().all(mutual) && once
+/// Whether a face of what comes and the one that it has as its other side have each other.
+fn meets(coming: &[Linked], (this, face): (u32, [u32; 3]), there: u32) -> bool {
+    let Some(other) = coming.get(tet_of(there) as usize) else { return false };
+    let slot = slot_of(there);
+    // From the other side it goes round the other way.
+    let [a, b, c] = oriented_face(&other.v, slot);
+    other.rim >> slot & 1 == 0 && other.n[slot] == this && there != this && same_face([a, c, b], face)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use proptest::prelude::*;
 
+    use super::super::faces::rotated;
     use super::*;
     use crate::{Control, DVec3};
 
@@ -183,14 +216,43 @@ mod tests {
         inner.then(|| of(&hole))
     }
 
+    /// With the neighbours that fit, as far as there are any: those that come first, then those outside.
+    fn linked(t: &Triangulation, going: &[u32], coming: &[[u32; 4]]) -> Guess {
+        let mut sides: BTreeMap<[u32; 3], Vec<(u32, bool)>> = BTreeMap::new();
+        for (v, i) in coming.iter().zip(0..) {
+            for slot in 0..4 {
+                sides.entry(rotated(oriented_face(v, slot as usize))).or_default().push((4 * i + slot, false));
+            }
+        }
+        let outside = going.iter().flat_map(|&id| t.topology.tet(id).n).filter(|&n| !going.contains(&tet_of(n)));
+        for n in outside {
+            let v = t.topology.tet(tet_of(n)).v;
+            sides.entry(rotated(oriented_face(&v, slot_of(n)))).or_default().push((n, true));
+        }
+        let link = |(&v, i): (&[u32; 4], u32)| {
+            let mut linked = Linked { v, n: [NONE; 4], rim: 0 };
+            for slot in 0..4 {
+                let [a, b, c] = oriented_face(&v, slot);
+                let this = 4 * i + slot as u32;
+                let others = sides.get(&rotated([a, c, b])).into_iter().flatten();
+                if let Some(&(n, rim)) = others.into_iter().find(|&&(n, rim)| rim || n != this) {
+                    linked.n[slot] = n;
+                    linked.rim |= u8::from(rim) << slot;
+                }
+            }
+            linked
+        };
+        Guess { going: going.to_vec(), coming: coming.iter().zip(0..).map(link).collect() }
+    }
+
     /// All that differs a little from what comes.
-    fn spoiled(going: &[u32], coming: &[[u32; 4]]) -> Vec<(Vec<u32>, Vec<[u32; 4]>)> {
+    fn spoiled(t: &Triangulation, going: &[u32], coming: &[[u32; 4]]) -> Vec<Guess> {
         let mut all = Vec::new();
         for i in 0..coming.len() {
             let mut fewer = coming.to_vec();
             let [a, b, c, d] = fewer.remove(i);
-            all.push((going.to_vec(), fewer.clone()));
-            let with = |tet: &[[u32; 4]]| (going.to_vec(), [&fewer, tet].concat());
+            all.push(linked(t, going, &fewer));
+            let with = |tet: &[[u32; 4]]| linked(t, going, &[&fewer, tet].concat());
             // Turned inside out, twice, and with a vertex of another.
             all.push(with(&[[b, a, c, d]]));
             all.push(with(&[[a, b, c, d], [a, b, c, d]]));
@@ -210,10 +272,31 @@ mod tests {
                         flipped.push(tet);
                     }
                 }
-                all.push((going.to_vec(), flipped));
+                all.push(linked(t, going, &flipped));
             }
         }
-        all.extend((0..going.len()).map(|i| ([&going[..i], &going[i + 1..]].concat(), coming.to_vec())));
+        all.extend((0..going.len()).map(|i| linked(t, &[&going[..i], &going[i + 1..]].concat(), coming)));
+        // Each neighbour another one, and on the other side of the rim.
+        let right = linked(t, going, coming);
+        for (i, tet) in right.coming.iter().enumerate() {
+            for slot in 0..4 {
+                for n in tet.n.into_iter().chain([
+                    tet.n[slot] ^ 1,
+                    4 * i as u32 + slot as u32,
+                    NONE,
+                    4 * coming.len() as u32,
+                ]) {
+                    if n != tet.n[slot] {
+                        let mut wrong = right.clone();
+                        wrong.coming[i].n[slot] = n;
+                        all.push(wrong);
+                    }
+                }
+                let mut wrong = right.clone();
+                wrong.coming[i].rim ^= 1 << slot;
+                all.push(wrong);
+            }
+        }
         all
     }
 
@@ -232,11 +315,11 @@ mod tests {
             prop_assume!(t.dimension() == 3);
             let Some((going, coming)) = guess(&t, &replacement) else { return Ok(()) };
             let mut hole = Hole::default();
-            for (going, coming) in spoiled(&going, &coming) {
-                prop_assert!(!t.certify(&replacement, (&going, &coming), &|_| false, &mut hole));
+            for guess in spoiled(&t, &going, &coming) {
+                prop_assert!(!t.certify(&replacement, &guess, &|_| false, &mut hole));
                 prop_assert!(hole.going.is_empty() && hole.coming.is_empty());
             }
-            prop_assert!(t.certify(&replacement, (&going, &coming), &|_| false, &mut hole));
+            prop_assert!(t.certify(&replacement, &linked(&t, &going, &coming), &|_| false, &mut hole));
             t.replace(&mut hole).unwrap();
             prop_assert_eq!(t.validate(3), Ok(()));
         }

@@ -23,6 +23,13 @@ pub fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
+/// Whether two faces have the same vertices and go round the same way.
+#[inline]
+pub fn same_face([a, b, c]: [u32; 3], [d, e, f]: [u32; 3]) -> bool {
+    // No branches: how one is turned against the other is anybody's guess.
+    (a == d) & (b == e) & (c == f) | (a == e) & (b == f) & (c == d) | (a == f) & (b == d) & (c == e)
+}
+
 /// Faces by their [rotated] vertices: a hash table with open addressing that keeps its memory.
 #[derive(Clone, Debug, Default)]
 pub struct FaceTable {

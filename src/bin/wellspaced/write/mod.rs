@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use wellspaced::domain::Carrier;
-use wellspaced::mesh::MeshView;
 use wellspaced::{Location, Mesh, Plc};
 
 pub use tetgen::write_poly;
@@ -89,7 +88,7 @@ impl OutputFile {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputMesh<'a> {
     pub points: Cow<'a, [DVec3]>,
-    pub tetrahedra: Cow<'a, [[u32; 4]]>,
+    pub tetrahedra: Vec<[u32; 4]>,
     /// For each point whether it was added.
     pub steiner: Vec<bool>,
     /// For each point its own marker in the input, or that of the segment or facet that it was put on; 0 for others.
@@ -97,7 +96,7 @@ pub struct OutputMesh<'a> {
     /// For each point what it lies on: 0 nothing, 1 it is an input vertex, 2 a segment, 3 a facet.
     pub point_kinds: Vec<u8>,
     /// For each tetrahedron 0, or 1 + the position of its region in the domain's list.
-    pub regions: Cow<'a, [u32]>,
+    pub regions: Vec<u32>,
     /// For each tetrahedron its region's attribute; empty when there are no regions.
     pub attributes: Vec<f64>,
     /// The faces on facets, each with the facet's marker.
@@ -109,11 +108,12 @@ pub struct OutputMesh<'a> {
 impl<'a> OutputMesh<'a> {
     /// Closes the gaps that removed vertices leave; the first `input_vertices` ids are the input's. `plc` is the domain that the mesh was made from.
     pub fn new(mesh: &'a Mesh, input_vertices: usize, plc: Option<&Plc>) -> Self {
-        let mut new = Self::of_view(mesh.view(), input_vertices);
+        let points = mesh.triangulation().points();
+        let numbers = numbers(points);
+        let mut new = Self::numbered(points, &numbers, mesh.elements(), input_vertices);
         let count = new.points.len();
         new.point_markers = vec![0; count];
         new.point_kinds = vec![0; count];
-        let numbers = numbers(mesh.view().points);
         if let Some(plc) = plc.filter(|plc| !plc.point_markers.is_empty()) {
             for (point, &marker) in plc.points.iter().zip(&plc.point_markers) {
                 if let Location::Vertex(v) = mesh.triangulation().locate(*point, None) {
@@ -150,23 +150,22 @@ impl<'a> OutputMesh<'a> {
         new
     }
 
-    fn of_view(view: MeshView<'a>, input_vertices: usize) -> Self {
-        let MeshView { points, tetrahedra, regions, .. } = view;
+    /// Points and tetrahedra, by those numbers.
+    fn numbered(
+        points: &'a [DVec3],
+        numbers: &[u32],
+        elements: impl Iterator<Item = ([u32; 4], u32)>,
+        input_vertices: usize,
+    ) -> Self {
         let ids = (0..points.len()).filter(|&id| points[id].is_finite());
         let steiner: Vec<bool> = ids.map(|id| id >= input_vertices).collect();
-        let regions = Cow::Borrowed(regions);
-        if steiner.len() == points.len() {
-            let (points, tetrahedra) = (Cow::Borrowed(points), Cow::Borrowed(tetrahedra));
-            return OutputMesh { points, tetrahedra, steiner, regions, ..OutputMesh::default() };
-        }
-        let numbers = numbers(points);
-        OutputMesh {
-            points: points.iter().copied().filter(|point| point.is_finite()).collect(),
-            tetrahedra: tetrahedra.iter().map(|t| t.map(|corner| numbers[corner as usize])).collect(),
-            steiner,
-            regions,
-            ..OutputMesh::default()
-        }
+        let points = match steiner.len() == points.len() {
+            true => Cow::Borrowed(points),
+            false => points.iter().copied().filter(|point| point.is_finite()).collect(),
+        };
+        let renumbered = |v: [u32; 4]| v.map(|corner| numbers[corner as usize]);
+        let (tetrahedra, regions) = elements.map(|(v, region)| (renumbered(v), region)).unzip();
+        OutputMesh { points, tetrahedra, steiner, regions, ..OutputMesh::default() }
     }
 }
 
@@ -188,10 +187,22 @@ pub fn write(outputs: &[OutputFile], mesh: &OutputMesh) -> Result<(), Failure> {
     places.dedup();
     let mut files = Vec::new();
     for place in &places {
-        let mut file = AtomicFile::create(place)?;
-        file.fill(|out: &mut dyn Write| write_one(out, place, mesh))?;
-        files.push(file);
+        files.push(AtomicFile::create(place)?);
     }
+    // Each by a thread of its own: making text of numbers takes longer than writing it.
+    std::thread::scope(|scope| {
+        let mut writers = Vec::new();
+        for (file, place) in files.iter_mut().zip(&places) {
+            let fill = move || file.fill(|out: &mut dyn Write| write_one(out, place, mesh));
+            let writer = std::thread::Builder::new().spawn_scoped(scope, fill);
+            writers.push(writer.map_err(|error| Failure::in_file(place, error))?);
+        }
+        let written = |writer: std::thread::ScopedJoinHandle<'_, _>| match writer.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        writers.into_iter().try_for_each(written)
+    })?;
     files.into_iter().try_for_each(AtomicFile::commit)
 }
 
@@ -225,9 +236,7 @@ mod tests {
     #[test]
     fn removed_vertices_leave_no_gap() {
         let points = [DVec3::X, DVec3::NAN, DVec3::Y, DVec3::Z, DVec3::NAN, DVec3::ZERO];
-        let view =
-            MeshView { points: &points, tetrahedra: &[[0, 2, 3, 5]], neighbours: &[[u32::MAX; 4]], regions: &[3] };
-        let mesh = OutputMesh::of_view(view, 3);
+        let mesh = OutputMesh::numbered(&points, &numbers(&points), std::iter::once(([0, 2, 3, 5], 3)), 3);
         assert_eq!(*mesh.points, [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]);
         assert_eq!(*mesh.tetrahedra, [[0, 1, 2, 3]]);
         assert_eq!(mesh.steiner, [false, false, true, true]);

@@ -100,9 +100,9 @@ mod tests {
         let points = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]].map(DVec3::from_array);
         let mesh = OutputMesh {
             points: points.to_vec().into(),
-            tetrahedra: vec![[0, 2, 1, 3]].into(),
+            tetrahedra: vec![[0, 2, 1, 3]],
             steiner: vec![false, false, true, false],
-            regions: vec![7].into(),
+            regions: vec![7],
             point_markers: vec![0, -3, 1, 2],
             point_kinds: vec![1, 1, 2, 0],
             ..OutputMesh::default()
