@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 
 use super::acute::Carrier;
 use super::blocked::Blocked;
+use super::elements::{Subfacets, Subsegments};
 pub use super::encroached::Encroached;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
-use super::subsegments::Subsegments;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::leavings::{give_elements_back, InPieces, Leavings};
 use crate::parted::PartedMap;
@@ -97,7 +97,7 @@ pub struct Boundary {
     /// The segment of each subsegment.
     pub(super) subsegments: Subsegments,
     /// The facet of each subfacet.
-    pub(super) subfacets: PartedMap<[u32; 3], u32>,
+    pub(super) subfacets: Subfacets,
     /// Elements that a split has taken out of the triangulation; those that are there again by their turn are passed over.
     pub(crate) missing_segments: VecDeque<[u32; 2]>,
     pub(crate) missing_facets: VecDeque<[u32; 3]>,
@@ -231,7 +231,7 @@ impl Boundary {
     #[inline]
     pub fn is_subfacet(&self, face: [u32; 3]) -> bool {
         let on_facet = |v: u32| v != GHOST && self.kind(v) & ON_FACET != 0;
-        face.into_iter().all(on_facet) && self.subfacets.contains_key(&face_key(face))
+        face.into_iter().all(on_facet) && self.subfacets.find(face).is_some()
     }
 
     /// The facet of a face that is a subfacet.
@@ -241,7 +241,7 @@ impl Boundary {
         if !face.into_iter().all(on_facet) {
             return None;
         }
-        self.subfacets.get(&face_key(face)).copied()
+        self.subfacets.find(face)
     }
 
     /// Whether a face of a tetrahedron with these vertices may be a subfacet.
@@ -374,7 +374,8 @@ impl Boundary {
         let (kinds, carriers) = (more(self.kinds.len()), more(self.carriers.len()));
         memory::grow(&mut self.kinds, kinds, WHAT, control)?;
         memory::grow(&mut self.carriers, carriers, WHAT, control)?;
-        self.subsegments.grow(vertices, control)
+        self.subsegments.grow(vertices, control)?;
+        self.subfacets.grow(vertices, control)
     }
 
     /// Forgets which elements could not be split: the limits that forbade it may be others now. Those that need a split are queued. Nothing has

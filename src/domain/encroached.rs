@@ -8,8 +8,8 @@
 use rustc_hash::FxHashMap;
 
 use super::boundary::{edge_key, face_key, Boundary};
+use super::elements::Subsegments;
 use super::pending::Demand;
-use super::subsegments::Subsegments;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;

@@ -12,7 +12,7 @@
 //! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
-//! | `subsegments` | the subsegments as a map |
+//! | `elements` | the subsegments, or the subfacets, as a map |
 //! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
 //! | `protect` | where subfacets are split near them |
@@ -31,6 +31,7 @@ pub mod boundary;
 mod build;
 pub mod check;
 mod cut;
+mod elements;
 mod encroached;
 pub mod facet;
 mod join;
@@ -41,7 +42,6 @@ pub mod plc;
 pub(crate) mod protect;
 mod sector;
 mod split;
-mod subsegments;
 #[cfg(test)]
 mod tests;
 mod unsplit;

@@ -180,10 +180,8 @@ impl Boundary {
         for &(edge, known) in &before.segments {
             match known {
                 Some(segment) => self.subsegments.insert(edge, segment),
-                None => {
-                    self.subsegments.remove(&edge);
-                }
-            }
+                None => self.subsegments.remove(&edge),
+            };
         }
         for &(face, known) in &before.facets {
             match known {

@@ -8,9 +8,9 @@ use glam::DVec3;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, ON_FACET};
+use super::elements::Subsegments;
 use super::facet::{FacetChange, InSpace};
-use super::subsegments::Subsegments;
-use crate::triangulation::topology::GHOST;
+use crate::triangulation::topology::{tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, Error};
 
@@ -78,12 +78,14 @@ impl Boundary {
             let of_carrier = self.facets_at(&carrier);
             facets.extend_from_slice(of_carrier);
             let star = t.topology.star(v);
-            for &tet in &star {
-                let tet = t.topology.tet(tet);
+            for &id in &star {
+                let tet = t.topology.tet(id);
                 if !self.may_have_wall(tet.v) {
                     continue;
                 }
-                for face in (0..4).filter(|&slot| tet.v[slot] != v).map(|slot| tet.face(slot)) {
+                // Each face is looked at from one side.
+                let here = |&slot: &usize| tet.v[slot] != v && tet_of(tet.n[slot]) > id;
+                for face in (0..4).filter(here).map(|slot| tet.face(slot)) {
                     let Some(facet) = self.wall(face) else { continue };
                     // Where rounding has brought two facets together, a vertex may be one of a facet that its carrier is not on.
                     if !of_carrier.contains(&facet) {
@@ -98,7 +100,7 @@ impl Boundary {
                 Carrier::Vertex(_) | Carrier::Free => return None,
             }
         }
-        // Each is seen from both sides.
+        // Two vertices that go may both have it.
         walls.sort_unstable();
         walls.dedup();
         facets.sort_unstable();
@@ -324,7 +326,7 @@ impl Boundary {
         let face =
             |face: [u32; 3]| Some(face).filter(|face| !face.iter().any(gone)).map(|face| face_key(face.map(renamed)));
         self.subsegments.renumber(renamed, control)?;
-        self.subfacets.rekey(control, |key, _| face(key))?;
+        self.subfacets.renumber(renamed, control)?;
         // What waits has no elements that are gone left.
         let (segments, facets) = (&mut self.pending_segments, &mut self.pending_facets);
         segments.retain_mut(|(key, _)| turns.go_on() && edge(*key).map(|new| *key = new).is_some());

@@ -85,6 +85,8 @@ pub(crate) struct Effort {
     pub cascade: usize,
     /// Whether the last pass begins with all Steiner points, not only with those on the boundary.
     pub all: bool,
+    /// Whether the last pass tries every pair on the boundary, even where few come to something.
+    pub patient: bool,
 }
 
 impl Sparsify {
@@ -109,6 +111,7 @@ impl Effort {
                 reach: 1.2,
                 cascade: 0,
                 all: false,
+                patient: false,
             },
             Sparsify::Quick => Effort {
                 neighbours: 3,
@@ -122,6 +125,7 @@ impl Effort {
                 reach: 1.75,
                 cascade: 0,
                 all: false,
+                patient: false,
             },
             Sparsify::Thorough => Effort {
                 neighbours: 8,
@@ -135,6 +139,7 @@ impl Effort {
                 reach: 1.75,
                 cascade: 3,
                 all: true,
+                patient: true,
             },
         }
     }
@@ -179,6 +184,8 @@ pub(crate) struct Sparsifier {
     near: Vec<search::Candidate>,
     /// How merges after samples, and after splits, have come out.
     odds: [Odds; 2],
+    /// And, in the last pass, pairs of vertices that are both on the boundary.
+    pass_odds: Odds,
     /// Vertices taken away and not replaced.
     pub removed: usize,
     /// Vertices that came in the place of two.

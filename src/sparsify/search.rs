@@ -169,10 +169,10 @@ impl Sparsifier {
             Subject::Vertex(_) if demand.level2.is_finite() => self.effort.at_boundary(),
             Subject::Vertex(_) | Subject::Sample(_) => self.effort,
         };
-        let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, .. } = effort;
+        let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, patient, .. } = effort;
         let level = demand.level2.sqrt();
         let spacing = if level.is_finite() { spacing * level } else { 0.0 };
-        let Sparsifier { alone, pair, near, .. } = self;
+        let Sparsifier { alone, pair, near, pass_odds, .. } = self;
         let p = subject.position(t);
         near.retain_mut(|candidate| {
             let Some(number) = alone.number_in_hole(candidate.v) else { return false };
@@ -203,6 +203,14 @@ impl Sparsifier {
                 Subject::Vertex(v) => vec![v, w],
                 Subject::Sample(_) => vec![w],
             };
+            // What becomes of the boundary takes longest to find.
+            let hesitates = match subject {
+                Subject::Vertex(v) => !patient && level.is_infinite() && boundary.kind(v) != 0 && boundary.kind(w) != 0,
+                Subject::Sample(_) => false,
+            };
+            if hesitates && !pass_odds.are_good() {
+                continue;
+            }
             let all_free = match subject {
                 Subject::Vertex(v) => boundary.kind(v) == 0 && boundary.kind(w) == 0,
                 Subject::Sample(_) => true,
@@ -237,6 +245,7 @@ impl Sparsifier {
                 }
             }
             if worst <= 1.0 {
+                pass_odds.made += usize::from(hesitates);
                 let guess = all_free && pair.foresee(t, boundary, flush_tiny(place));
                 return Some(Found { remove, add: Some((place, carrier)), plan, guess });
             }

@@ -93,6 +93,24 @@ fn meshes_come_out_sparser_and_as_good() {
 }
 
 #[test]
+fn a_bound_of_one_can_be_kept() {
+    // A new point may then be as near as the edge that it mends is long, so that nothing promises an end: circumcentres don't.
+    let half = DVec3::splat(5e4);
+    let plc = Plc::boxed(-half, half, [DVec3::ZERO, DVec3::X]);
+    let ends = |rule, sparsify| {
+        let options =
+            RefineOptions { radius_edge: 1.0, rule, sparsify, max_vertices: 10_000, ..RefineOptions::default() };
+        let mut mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        if report.status == RefineStatus::Done {
+            assert_eq!((mesh.validate(3), mesh.validate_quality(1.0)), (Ok(()), Ok(())));
+        }
+        report.status == RefineStatus::Done && report.bad == 0
+    };
+    assert!(ends(Rule::Sparse, Some(Sparsify::Quick)) && !ends(Rule::Circumcenter, None));
+}
+
+#[test]
 fn what_splits_the_boundary_is_made_one_with_a_neighbour() {
     let mut boxed = random_box(0, 1);
     boxed.points.extend(random_points(600, 4).into_iter().map(|p| 1.5 * p));
