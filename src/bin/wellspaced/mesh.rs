@@ -42,7 +42,10 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     let sizing = Sizing { uniform: arguments.max_edge.unwrap_or(0.0), ..Sizing::default() };
     let threads = files.threads as usize;
     let refined = refined(&input.content, threads, &options, &sizing, &bar.control(), &mut seconds);
-    let (mesh, report) = refined.map_err(|error| input.source.explain(&error))?;
+    let (mesh, report) = refined.map_err(|error| match &input.content {
+        Content::Domain(plc) => input.source.explain_domain(&error, plc),
+        Content::Points(_) => input.source.explain(&error),
+    })?;
     drop(bar);
     save(files, &mesh, report.input_vertices, &input.content, &mut seconds)?;
     print(

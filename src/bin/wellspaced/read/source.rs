@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wellspaced::{DomainElement, Error, PlcDefect};
+use wellspaced::{DomainElement, Error, Plc, PlcDefect};
 
 use super::fields::Numbered;
 use crate::failure::Failure;
@@ -131,13 +131,26 @@ impl Source {
         }
     }
 
+    /// [`explain`](Self::explain) for an error of this domain: where it names a second element, the core has its own number for that.
+    pub fn explain_domain(&self, error: &Error, plc: &Plc) -> Failure {
+        let Error::InvalidDomain { problem, .. } = error else { return self.explain(error) };
+        // Seldom, and then nothing else takes time.
+        let found = plc.check();
+        let same = found.errors().find(|defect| defect.elements.len() == 2 && defect.problem() == *problem);
+        same.map_or_else(|| self.explain(error), |defect| self.failure(defect))
+    }
+
     /// A defect as a line that names this input's file, line and elements.
     pub fn describe(&self, defect: &PlcDefect) -> String {
+        self.failure(defect).message().to_owned()
+    }
+
+    fn failure(&self, defect: &PlcDefect) -> Failure {
         let first = defect.elements.first().copied().unwrap_or(DomainElement::Whole);
         let mut problem = defect.problem();
         if let Some(&other) = defect.elements.get(1) {
             problem = problem.replacen(&other.to_string(), &self.name(other), 1);
         }
-        self.element(first, &problem).message().to_owned()
+        self.element(first, &problem)
     }
 }

@@ -232,6 +232,21 @@ fn a_domain_that_is_no_domain_is_named_by_line() {
 }
 
 #[test]
+fn elements_of_joined_facets_are_named_as_the_file_has_them() {
+    let folder = folder("elements_of_joined_facets_are_named_as_the_file_has_them");
+    // The cube's squares are two triangles each, which are joined; a tetrahedron's corner comes through its top.
+    let cube =
+        "3 0 3 1\n3 0 2 3\n3 4 5 7\n3 4 7 6\n3 0 1 5\n3 0 5 4\n3 2 7 3\n3 2 6 7\n3 0 4 6\n3 0 6 2\n3 1 3 7\n3 1 7 5\n";
+    let corners: String = (0..8).map(|i| format!("{} {} {}\n", 4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2))).collect();
+    let spike = "1 1 2\n1 1 6\n2 1 6\n1 2 6\n";
+    let text = format!("OFF\n12 16 0\n{corners}{spike}{cube}3 9 10 11\n3 8 10 9\n3 8 11 10\n3 8 9 11\n");
+    fs::write(folder.join("spike.off"), text).unwrap();
+    let (status, message) = failure(&folder, &["refine", "spike.off", "-b", "2"]);
+    // Facets 13 to 15 are the spike's at the corner inside, 2 is the top's first half; its own number is 1 once the halves are joined.
+    assert_eq!((status, message.as_str()), (1, "spike.off:28: facet 13: goes through facet 2 at (1, 1, 4)\n"));
+}
+
+#[test]
 fn usage_errors_are_status_2_before_any_work() {
     let folder = folder("usage_errors_are_status_2_before_any_work");
     fs::write(folder.join("in.xyz"), "not numbers\n").unwrap();
