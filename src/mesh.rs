@@ -361,9 +361,10 @@ impl Mesh {
         };
         *taken = [sparsifier.removed, sparsifier.replaced];
         self.has_gaps |= sparsifier.removed + sparsifier.replaced > 0;
+        let has_pass = sparsifier.has_pass();
         // After a cancellation the gaps stay for the next call: closing them takes a while.
         sparsifier.give_back(control);
-        if !self.has_gaps || matches!(result, Ok(RefineStatus::Cancelled)) {
+        if !self.has_gaps || matches!(result, Ok(RefineStatus::Cancelled)) || !has_pass && self.fill_gaps(reasons) {
             return result;
         }
         match self.close_gaps(reasons, control) {
@@ -371,6 +372,22 @@ impl Mesh {
             Err(Error::Cancelled) => Ok(RefineStatus::Cancelled),
             Err(error) => Err(error),
         }
+    }
+
+    /// Puts the last Steiner points into the gaps among the others' ids. Returns whether none is left: it is for a few gaps, and does nothing with what is on the boundary,
+    /// which knows its vertices by id. Where points only move, at most one or two gaps are ever left, and all else is in order.
+    fn fill_gaps(&mut self, reasons: &mut Reasons) -> bool {
+        let (first, Some(domain)) = (self.input_slots as u32, &self.domain) else { return false };
+        let is_free = |v: u32| domain.boundary.kind(v) == 0;
+        let Some(moved) = self.t.fill_gaps(first, is_free) else { return false };
+        let renamed = |v: u32| moved.iter().find(|&&(old, _)| old == v).map_or(v, |&(_, new)| new);
+        if !moved.is_empty() {
+            let mut names = Reasons::default();
+            reasons.iter().for_each(|(v, &reason)| _ = names.insert(v.map(renamed), reason));
+            *reasons = names;
+        }
+        self.has_gaps = false;
+        true
     }
 
     /// Gives Steiner points ids without gaps. Nothing has changed after an error.

@@ -2,10 +2,11 @@
 //!
 //! A vertex keeps its id for life. A removed one leaves a gap, whose point is NaN, and the id goes to a free list: the insertion of
 //! a single point takes the id freed last, a bulk insertion numbers its points behind all others. [`compact`](Triangulation::compact)
-//! closes the gaps.
+//! closes the gaps, and where they are few the last vertices can [fill](Triangulation::fill_gaps) them.
 
 use glam::DVec3;
 
+use super::incident::StarWalk;
 use super::topology::{Tetrahedron, NONE};
 use super::Triangulation;
 use crate::leavings::{InPieces, Leavings};
@@ -117,6 +118,54 @@ impl Triangulation {
         self.gaps.free = Vec::new();
     }
 
+    /// Gives the last vertices the ids from `first` on that have none. Returns who has moved, from where to where. `None`, and nothing has changed, when there are more
+    /// than a few such ids, or one of these vertices has very many neighbours or not what it takes to move.
+    pub(crate) fn fill_gaps(&mut self, first: u32, may_move: impl Fn(u32) -> bool) -> Option<Vec<(u32, u32)>> {
+        const FEW: usize = 16;
+        const MANY: usize = 1 << 12;
+        let mut gaps: Vec<u32> =
+            (first..self.points.len() as u32).filter(|&v| !self.is_vertex(v)).take(FEW + 1).collect();
+        let all_free = gaps.iter().all(|gap| self.gaps.free.contains(gap));
+        if self.dimension() < 3 || gaps.len() > FEW || !all_free {
+            return None;
+        }
+        let mut moves = Vec::new();
+        let mut end = self.points.len() as u32;
+        while let Some(&gap) = gaps.first() {
+            end -= 1;
+            if gaps.last() == Some(&end) {
+                gaps.pop();
+                continue;
+            }
+            if !may_move(end) {
+                return None;
+            }
+            let (mut walk, mut star) = (StarWalk::new(&self.topology, end), Vec::new());
+            while let Some(t) = walk.next(&self.topology) {
+                if star.len() == MANY {
+                    return None;
+                }
+                star.push(t);
+            }
+            gaps.remove(0);
+            moves.push((end, gap, star));
+        }
+        for (from, to, star) in &moves {
+            for &t in star {
+                let v = &mut self.topology.tets[t as usize].v;
+                v.iter_mut().filter(|v| **v == *from).for_each(|v| *v = *to);
+            }
+            self.points[*to as usize] = self.points[*from as usize];
+            self.topology.vertex_tet[*to as usize] = self.topology.vertex_tet[*from as usize];
+        }
+        let before = self.points.len();
+        self.points.truncate(end as usize);
+        self.topology.vertex_tet.truncate(end as usize);
+        self.gaps.free.retain(|&v| v < first);
+        self.gaps.count -= before - end as usize;
+        Some(moves.into_iter().map(|(from, to, _)| (from, to)).collect())
+    }
+
     /// Calls `f` with the point of id `vertex` in place, which need not be a vertex yet.
     pub(crate) fn with_point<R>(&mut self, vertex: u32, point: DVec3, f: impl FnOnce(&Triangulation) -> R) -> R {
         if vertex as usize == self.points.len() {
@@ -177,5 +226,53 @@ impl Triangulation {
             self.lower.try_clone(control)?
         };
         Ok((compact.keep(), new_id.keep()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::random_points;
+
+    #[test]
+    fn the_last_vertices_fill_gaps() {
+        let points = random_points(300, 7);
+        // Of the first ones the gaps stay; of the last ones nobody has to move.
+        for (removed, first, moved) in [
+            (vec![], 0, vec![]),
+            (vec![20], 10, vec![(299, 20)]),
+            (vec![5, 299, 298], 10, vec![]),
+            (vec![30, 299, 12, 5, 297], 10, vec![(298, 12), (296, 30)]),
+        ] {
+            let mut t = Triangulation::new();
+            t.insert_many(&points, &Control::new()).unwrap();
+            removed.iter().for_each(|&v| t.remove(v).unwrap());
+            let count = t.vertex_count();
+            assert_eq!(t.fill_gaps(first, |v| v > 290), Some(moved.clone()), "{removed:?}");
+            assert_eq!((t.validate(3), t.vertex_count()), (Ok(()), count));
+            let gaps = removed.iter().filter(|&&v| v < first).count();
+            assert_eq!(t.points().len(), count + gaps);
+            let mut expected = points[..t.points().len()].to_vec();
+            removed.iter().filter(|&&v| v < first).for_each(|&v| expected[v as usize] = DVec3::NAN);
+            moved.iter().for_each(|&(from, to)| expected[to as usize] = points[from as usize]);
+            assert!(t.points().iter().zip(&expected).all(|(p, q)| p == q || p.is_nan() && q.is_nan()));
+            // The next one is new, or takes an id that was left.
+            let next = t.insert(DVec3::splat(0.123), None).unwrap().vertex;
+            assert_eq!(next, removed.iter().rfind(|&&v| v < first).copied().unwrap_or(count as u32));
+            assert_eq!(t.validate(3), Ok(()));
+        }
+    }
+
+    #[test]
+    fn gaps_are_not_filled_by_those_who_may_not_move_nor_where_there_are_many() {
+        let mut t = Triangulation::new();
+        t.insert_many(&random_points(300, 7), &Control::new()).unwrap();
+        t.remove(50).unwrap();
+        let points = t.points().to_vec();
+        assert_eq!(t.fill_gaps(0, |v| v != 299), None);
+        (60..90).for_each(|v| t.remove(v).unwrap());
+        assert_eq!(t.fill_gaps(0, |_| true), None);
+        assert!(t.points()[..60].iter().zip(&points).all(|(p, q)| p == q || p.is_nan() && q.is_nan()));
+        assert_eq!(t.validate(3), Ok(()));
     }
 }
