@@ -230,12 +230,11 @@ impl Boundary {
     /// Whether the face is a subfacet.
     #[inline]
     pub fn is_subfacet(&self, face: [u32; 3]) -> bool {
-        let on_facet = |v: u32| v != GHOST && self.kind(v) & ON_FACET != 0;
-        face.into_iter().all(on_facet) && self.subfacets.find(face).is_some()
+        self.wall(face).is_some()
     }
 
     /// The facet of a face that is a subfacet.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn wall(&self, face: [u32; 3]) -> Option<u32> {
         let on_facet = |v: u32| v != GHOST && self.kind(v) & ON_FACET != 0;
         if !face.into_iter().all(on_facet) {

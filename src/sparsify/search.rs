@@ -174,6 +174,7 @@ impl Sparsifier {
         let spacing = if level.is_finite() { spacing * level } else { 0.0 };
         let Sparsifier { alone, pair, near, pass_odds, .. } = self;
         let p = subject.position(t);
+        let is_on_boundary = matches!(subject, Subject::Vertex(v) if boundary.kind(v) != 0);
         near.retain_mut(|candidate| {
             let Some(number) = alone.number_in_hole(candidate.v) else { return false };
             candidate.spacing = alone.spacing(number);
@@ -199,23 +200,17 @@ impl Sparsifier {
             if !alone.move_into_obstacles(&mut place, &space, |tet| !tet.v.contains(&number)) {
                 continue;
             }
+            let on_boundary = [is_on_boundary, boundary.kind(w) != 0];
+            // What becomes of the boundary takes longest to find: first whether it is worth it, and whether a star is too large.
+            let hesitates = !patient && level.is_infinite() && on_boundary == [true; 2];
+            if hesitates && !pass_odds.are_good() {
+                continue;
+            }
             let remove = match subject {
                 Subject::Vertex(v) => vec![v, w],
                 Subject::Sample(_) => vec![w],
             };
-            // What becomes of the boundary takes longest to find.
-            let hesitates = match subject {
-                Subject::Vertex(v) => !patient && level.is_infinite() && boundary.kind(v) != 0 && boundary.kind(w) != 0,
-                Subject::Sample(_) => false,
-            };
-            if hesitates && !pass_odds.are_good() {
-                continue;
-            }
-            let all_free = match subject {
-                Subject::Vertex(v) => boundary.kind(v) == 0 && boundary.kind(w) == 0,
-                Subject::Sample(_) => true,
-            };
-            // Too large a star first: what becomes of the boundary takes longer to find.
+            let all_free = on_boundary == [false; 2];
             if !all_free && !pair.open(t, &remove) {
                 continue;
             }

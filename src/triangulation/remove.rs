@@ -144,6 +144,17 @@ impl Hole {
         self.add
     }
 
+    /// Numbers those of a tetrahedron's vertices that stay and have no number yet.
+    #[inline(always)]
+    fn number(&mut self, v: [u32; 4]) {
+        for v in v {
+            if v != GHOST && self.local[v as usize] == NONE {
+                self.local[v as usize] = self.vertices.len() as u32;
+                self.vertices.push(v);
+            }
+        }
+    }
+
     /// Forgets the numbers in the small triangulation.
     fn forget_numbers(&mut self) {
         for &v in self.remove.iter().chain(&self.vertices) {
@@ -341,12 +352,7 @@ impl Triangulation {
         for i in 0..hole.going.len() {
             let Going { t, v } = hole.going[i];
             look(i + 1, go_on)?;
-            for v in v {
-                if v != GHOST && hole.local[v as usize] == NONE {
-                    hole.local[v as usize] = hole.vertices.len() as u32;
-                    hole.vertices.push(v);
-                }
-            }
+            hole.number(v);
             for (slot, &outside) in self.topology.tet(t).n.iter().enumerate() {
                 if hole.contains(tet_of(outside)) {
                     continue;
@@ -354,11 +360,17 @@ impl Triangulation {
                 // Vertices to remove have no number, but all tetrahedra at them go.
                 let number = |v: u32| if v == GHOST { GHOST } else { hole.local[v as usize] };
                 hole.by_vertices.keys.push(rotated(oriented_face(&v, slot).map(number)));
-                let label = self.topology.region.get(t as usize).copied().unwrap_or(OUTSIDE);
-                hole.faces.push(HoleFace { outside, label });
+                hole.faces.push(self.hole_face(t, outside));
             }
         }
         hole.by_vertices.index(go_on)
+    }
+
+    /// The face between a tetrahedron that goes and one outside.
+    #[inline]
+    fn hole_face(&self, going: u32, outside: u32) -> HoleFace {
+        let label = self.topology.region.get(going as usize).copied().unwrap_or(OUTSIDE);
+        HoleFace { outside, label }
     }
 
     /// Makes the triangulation of the hole's vertices. False when all that is left lies in one plane.

@@ -126,7 +126,7 @@ pub fn delaunay(arguments: &Delaunay) -> Result<(), Failure> {
         &Report {
             input_vertices: vertices,
             vertices,
-            tetrahedra: mesh.elements().count(),
+            tetrahedra: mesh.triangulation().tetrahedron_count(),
             steiner: 0,
             bad: None,
             unrefined: None,

@@ -126,6 +126,7 @@ pub struct Forecast {
     pub push: DVec3,
     /// What would go and what would come with the point that was decided for.
     pub guess: Guess,
+    /// Scratch of `foresee`.
     links: foresee::Links,
 }
 

@@ -5,8 +5,7 @@
 //! is checked, too, not searched for.
 
 use super::faces::{oriented_face, same_face};
-use super::{Coming, Hole, HoleFace, Replacement, ADDED, REMOVED};
-use crate::domain::label::OUTSIDE;
+use super::{Coming, Going, Hole, HoleFace, Replacement, ADDED, REMOVED};
 use crate::geometry::ball::Ball;
 use crate::geometry::Sign;
 use crate::memory;
@@ -88,17 +87,13 @@ impl Triangulation {
     /// Takes over what comes. False unless it has all vertices of the hole and no others but the new one, and its faces match each other's and the
     /// hole's one to one. Then all at the vertices that go, goes: no face of the hole has one.
     fn take_coming(&self, coming: &[Linked], hole: &mut Hole) -> bool {
-        let Hole { going, remove, add, faces, marks, local, vertices, coming: linked, .. } = hole;
         let mut count = 0;
-        for going in going.iter() {
-            for v in going.v {
-                if local[v as usize] == NONE {
-                    local[v as usize] = vertices.len() as u32;
-                    vertices.push(v);
-                }
-            }
-            count += self.topology.tet(going.t).n.iter().filter(|&&n| marks[tet_of(n) as usize] == 0).count();
+        for i in 0..hole.going.len() {
+            let Going { t, v } = hole.going[i];
+            hole.number(v);
+            count += self.topology.tet(t).n.iter().filter(|&&n| hole.marks[tet_of(n) as usize] == 0).count();
         }
+        let Hole { remove, add, faces, marks, local, vertices, coming: linked, .. } = hole;
         if remove.iter().any(|&v| marks[self.topology.vertex_tet[v as usize] as usize] == 0) {
             return false;
         }
@@ -147,8 +142,7 @@ impl Triangulation {
             return None;
         }
         *mark |= found;
-        let label = self.topology.region.get(tet_of(inside) as usize).copied().unwrap_or(OUTSIDE);
-        Some(HoleFace { outside, label })
+        Some(self.hole_face(tet_of(inside), outside))
     }
 
     /// Whether what comes is positive, and locally Delaunay among itself and with what is around it.
