@@ -4,9 +4,10 @@
 //
 // The cells in conflict with a point are searched from one of them through their faces; each face of their outline becomes a cell with the
 // point (A. Bowyer, D. F. Watson, both The Computer Journal 24, 1981). dt.find_conflicts and insert_in_hole do the same, but
-// mark each cell twice and copy their lists, and know nothing of what the refinement wants to know: here the vertices of the cells are gathered
-// once, with their differences from the point, which serve the search itself, distances, encroachment and the quality of the cells to
-// come, before anything changes. Where floating point can't say whether a cell is in conflict, dt.side_of_sphere does, with CGAL's perturbation.
+// copy their lists and know nothing of what the refinement wants to know: here the vertices of the cells are gathered once, with their
+// differences from the point, which serve the search itself, distances, encroachment and the quality of the cells to come, before anything
+// changes. Cells are marked with the data that CGAL's cells have for that (`tds_data`), which are clear again when the search is over. Where
+// floating point can't say whether a cell is in conflict, dt.side_of_sphere does, with CGAL's perturbation.
 // The star is filled with the operations that CGAL documents for its data structure; cells meet across an edge of the outline, found in a
 // table of pairs of its vertices.
 
@@ -89,10 +90,9 @@ public:
     vertex fill() {
         auto& tds = dt_.tds();
         star_.clear();
-        if (width_ < corners_.size()) {
-            width_ = 2 * corners_.size();
-            open_.assign(width_ * width_, std::uint32_t(none));
-        }
+        // As wide as this hole needs it: rows that are far apart share no cache lines.
+        const std::size_t width = corners_.size();
+        if (open_.size() < width * width) open_.assign(2 * width * width, std::uint32_t(none));
         const vertex v = tds.create_vertex();
         v->set_point(at_);
         try {
@@ -121,7 +121,7 @@ public:
             for (int k = 0; k < 3; ++k) {
                 std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
                 if (b < a) std::swap(a, b);
-                std::uint32_t& open = open_[a * width_ + b];
+                std::uint32_t& open = open_[a * width + b];
                 const std::uint32_t here = static_cast<std::uint32_t>(4 * n) + static_cast<std::uint32_t>((slot + 1 + k) & 3);
                 if (open == none) {
                     open = here;
@@ -163,10 +163,6 @@ private:
     static constexpr std::uint32_t none = 0xFFFFFFFF;
     // Whether the user's coordinates are doubles, so that differences of them are what they seem.
     static constexpr bool is_double = std::is_same<typename Dt::Geom_traits::FT, double>::value;
-    struct visited {
-        cell at;
-        std::uint32_t search = 0, inside = 0;
-    };
     struct label {
         vertex v;
         std::uint32_t turn = 0;
@@ -218,6 +214,16 @@ private:
         return dt_.side_of_sphere(across, at_, true) == CGAL::ON_BOUNDED_SIDE;
     }
 
+    // Takes the marks of a search out of the cells again, also when the exact arithmetic runs out of memory.
+    struct unmark {
+        const hole& of;
+        ~unmark() {
+            for (const cell& c : of.cells_) c->tds_data().clear();
+            for (const facet& f : of.outline_) f.first->neighbor(f.second)->tds_data().clear();
+        }
+    };
+
+    // Cells are marked as CGAL's own search marks them: in conflict, or looked at and not.
     void search(cell start) {
         cells_.clear();
         cell_corners_.clear();
@@ -225,13 +231,12 @@ private:
         outline_.clear();
         labels_.clear();
         corners_.clear();
-        if (++search_ == 0) seen_.assign(seen_.size(), {}), search_ = 1;
         if (++turn_ == 0) table_.assign(table_.size(), {}), turn_ = 1;
-        seen_count_ = 0;
+        const unmark marks{*this};
         cells_.push_back(start);
         entries_.push_back(-1);
         for (int j = 0; j < 4; ++j) fetch(start->neighbor(j));
-        see(start).inside = 1;
+        start->tds_data().mark_in_conflict();
         std::array<place, 4> own;
         corner apex;
         for (int k = 0; k < 4; ++k) {
@@ -246,20 +251,20 @@ private:
             for (int k = 0; k < 4; ++k) {
                 if (k == entry) continue;
                 const cell across = c->neighbor(k);
-                const std::size_t before = seen_count_;
-                visited& seen = see(across);
-                if (seen_count_ != before) {
+                auto& mark = across->tds_data();
+                if (mark.is_in_conflict()) continue;
+                if (mark.is_clear()) {
                     const int opposite = across->index(c);
                     look_at(across->vertex(opposite), apex);
                     if (conflicts(across, own, k, apex)) {
-                        seen.inside = 1;
                         add(across, opposite, own, k, apex);
+                        mark.mark_in_conflict();
+                        continue;
                     }
                 }
-                if (seen.inside == 0) {
-                    outline_.emplace_back(c, k);
-                    labels_.push_back({own[(k + 1) & 3], own[(k + 2) & 3], own[(k + 3) & 3]});
-                }
+                outline_.emplace_back(c, k);
+                labels_.push_back({own[(k + 1) & 3], own[(k + 2) & 3], own[(k + 3) & 3]});
+                mark.mark_on_boundary();
             }
         }
     }
@@ -279,31 +284,6 @@ private:
         cell_corners_.push_back(places);
         entries_.push_back(opposite);
     }
-    // What is known of a cell; a new entry if it has not been seen.
-    visited& see(cell c) {
-        if (4 * seen_count_ > 3 * seen_.size()) {
-            std::vector<visited> old(2 * seen_.size());
-            old.swap(seen_);
-            for (const visited& v : old)
-                if (v.search == search_) place_of(v.at) = v;
-        }
-        visited& found = place_of(c);
-        if (found.search != search_) {
-            found.at = c;
-            found.search = search_;
-            found.inside = 0;
-            ++seen_count_;
-        }
-        return found;
-    }
-    visited& place_of(cell c) {
-        std::size_t i = (reinterpret_cast<std::uintptr_t>(&*c) >> 3) * 0x9E3779B97F4A7C15u >> 32;
-        for (;; ++i) {
-            visited& v = seen_[i & (seen_.size() - 1)];
-            if (v.search != search_ || v.at == c) return v;
-        }
-    }
-
     void look_at(vertex v, corner& c) const {
         c.v = v;
         if (v == infinite_) {
@@ -341,9 +321,6 @@ private:
     vec place_{};
     point at_;
     vertex infinite_;
-    std::vector<visited> seen_ = std::vector<visited>(256);  // those of search number `search_`
-    std::uint32_t search_ = 0;
-    std::size_t seen_count_ = 0;
     std::vector<cell> cells_, star_;
     std::vector<std::array<place, 4>> cell_corners_;
     std::vector<int> entries_;  // the slot of each cell in conflict that leads to the one before it
@@ -352,7 +329,6 @@ private:
     std::vector<std::array<place, 3>> labels_;  // the corners of each face of the outline
     std::vector<label> table_ = std::vector<label>(256);
     std::uint32_t turn_ = 0;
-    std::size_t width_ = 0;
     std::vector<std::uint32_t> open_;  // by two vertices: the cell and slot that wait for the other side, all `none` between calls
     std::vector<bad_cell> bad_;
 };

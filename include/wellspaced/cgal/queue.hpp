@@ -3,8 +3,9 @@
 // wellspaced/cgal/queue.hpp: the queue of bad cells, the one with the shortest shortest edge first, among equals by their vertices' numbers.
 // Included by wellspaced/cgal.hpp.
 //
-// Most die before their turn: they wait unsorted in buckets 1.6 % wide, as in src/refine/queue.rs. Numbers are looked up only for
-// those of one length whose turn it is.
+// Most die before their turn: they wait unsorted in buckets 1.6 % wide, as in src/refine/queue.rs, as little more than their places. When it is their
+// turn most have gone, which hashes of their vertices tell; the rest is looked at anew. Numbers are looked up only for those of one
+// length whose turn it is.
 
 #ifndef WELLSPACED_CGAL_QUEUE_HPP
 #define WELLSPACED_CGAL_QUEUE_HPP
@@ -41,10 +42,10 @@ public:
     queue(const Dt& dt, const numbers<vertex>& of) : dt_(dt), numbers_(of) {}
 
     void push(cell c, double squared) {
-        const entry e{squared, c, {c->vertex(0), c->vertex(1), c->vertex(2), c->vertex(3)}};
+        const entry e = entry_of(c, squared);
         const std::uint32_t in = bucket(squared);
         if (in != current_)
-            list(in).push_back(e);
+            list(in).push_back(waiting_for(e));
         else if (!group_.empty() && squared == group_.front().e.squared)
             join(e);
         else
@@ -52,14 +53,16 @@ public:
         ++count_;
     }
 
-    // The next cell that is still there, and its vertices' numbers.
-    bool pop(entry& e, vertex_numbers& n) {
+    // The next cell that is still there, and its vertices' numbers. `judge` is asked about cells: the square of a bad one's shortest edge, or
+    // anything negative for one that is not to be mended.
+    template <class Judge>
+    bool pop(entry& e, vertex_numbers& n, const Judge& judge) {
         for (;;) {
             if (count_ == 0) return false;
             while (first_ < lists_.size() && lists_[first_].empty()) ++first_;
             const bool idle = group_.empty() && heap_.empty();
             if (first_ < lists_.size() && (idle || base_ + first_ < current_)) {
-                turn();
+                turn(judge);
                 continue;
             }
             if (!heap_.empty() && !group_.empty() && heap_.front().squared < group_.front().e.squared) dissolve();
@@ -78,6 +81,11 @@ public:
     }
 
 private:
+    // A cell whose turn is far.
+    struct waiting {
+        cell at;
+        std::uint32_t hash;
+    };
     // What the heap moves about of an entry.
     struct ticket {
         double squared;
@@ -90,6 +98,17 @@ private:
         vertex_numbers n, sorted;
         bool operator<(const member& other) const { return sorted > other.sorted; }
     };
+
+    static entry entry_of(cell c, double squared) {
+        return {squared, c, {c->vertex(0), c->vertex(1), c->vertex(2), c->vertex(3)}};
+    }
+    static waiting waiting_for(const entry& e) { return {e.at, hash(e.v)}; }
+    // What tells most cells from those that come to their memory.
+    static std::uint32_t hash(const std::array<vertex, 4>& v) {
+        std::uint64_t h = 0;
+        for (const vertex& w : v) h = (h + reinterpret_cast<std::uintptr_t>(&*w)) * 0x9E3779B97F4A7C15u;
+        return static_cast<std::uint32_t>(h >> 32);
+    }
 
     // Takes the first of the heap into the group, and all of their length.
     void assemble() {
@@ -139,10 +158,10 @@ private:
         std::memcpy(&bits, &squared, sizeof bits);
         return static_cast<std::uint32_t>(bits >> 46);
     }
-    std::vector<entry>& list(std::uint32_t in) {
+    std::vector<waiting>& list(std::uint32_t in) {
         if (lists_.empty()) base_ = in;
         if (in < base_) {
-            std::vector<std::vector<entry>> more(base_ - in + lists_.size());
+            std::vector<std::vector<waiting>> more(base_ - in + lists_.size());
             std::move(lists_.begin(), lists_.end(), more.begin() + (base_ - in));
             lists_.swap(more);
             base_ = in;
@@ -161,26 +180,31 @@ private:
         std::push_heap(heap_.begin(), heap_.end());
     }
     // Makes the first waiting bucket the current one.
-    void turn() {
+    template <class Judge>
+    void turn(const Judge& judge) {
         next_.clear();
         next_.swap(lists_[first_]);
         const std::uint32_t in = base_ + static_cast<std::uint32_t>(first_);
         if (!heap_.empty() || !group_.empty()) {
-            std::vector<entry>& back = list(current_);
-            for (const ticket& t : heap_) back.push_back(now_[t.place]);
-            for (const member& m : group_) back.push_back(m.e);
+            std::vector<waiting>& back = list(current_);
+            for (const ticket& t : heap_) back.push_back(waiting_for(now_[t.place]));
+            for (const member& m : group_) back.push_back(waiting_for(m.e));
             group_.clear();
         }
         current_ = in;
         heap_.clear();
         now_.clear();
         for (std::size_t i = 0; i < next_.size(); ++i) {
-            const entry& e = next_[i];
             if (i + 8 < next_.size()) fetch(next_[i + 8].at);
-            if (is_live(e))
-                heap_.push_back(ticket_of(e));
-            else
-                --count_;
+            const waiting& w = next_[i];
+            --count_;
+            if (!dt_.tds().cells().is_used(w.at)) continue;
+            entry e = entry_of(w.at, 0);
+            if (hash(e.v) != w.hash) continue;
+            e.squared = judge(w.at);
+            if (bucket(e.squared) != in) continue;
+            heap_.push_back(ticket_of(e));
+            ++count_;
         }
         std::make_heap(heap_.begin(), heap_.end());
     }
@@ -189,10 +213,10 @@ private:
     const numbers<vertex>& numbers_;
     std::vector<ticket> heap_;
     std::vector<member> group_;  // a heap too: all of one length, no longer than the others'
-    std::vector<entry> next_;
+    std::vector<waiting> next_;
     std::vector<entry> now_;  // those of the heap, and others gone
     std::uint32_t current_ = 0, base_ = 0;
-    std::vector<std::vector<entry>> lists_;
+    std::vector<std::vector<waiting>> lists_;
     std::size_t first_ = 0;  // none before it has any
     std::size_t count_ = 0;
 };

@@ -126,8 +126,8 @@ public:
         boundary_.sort(segments_);
         boundary_.sort(facets_);
         for (auto c = dt_.finite_cells_begin(); c != dt_.finite_cells_end(); ++c) {
-            const corners p = corners_of(c);
-            if (is_bad(p, options_.radius_edge) && boundary_.contains(c)) queue_.push(c, shortest_squared(p));
+            const double squared = judge(c);
+            if (squared >= 0) queue_.push(c, squared);
         }
         typename queue_type::entry next;
         typename queue_type::vertex_numbers names;
@@ -137,7 +137,7 @@ public:
                 return report_;
             }
             if (boundary_step()) continue;
-            if (!queue_.pop(next, names)) break;
+            if (!queue_.pop(next, names, [&](cell c) { return judge(c); })) break;
             mend(next, names);
         }
         if (report_.refused > 0 && any_bad()) report_.status = WSP_UNREFINED;
@@ -152,9 +152,16 @@ private:
         return numbers_;
     }
 
+    // The square of a bad cell's shortest edge; -1 if the cell is none, or not of the domain.
+    double judge(cell c) const {
+        if (dt_.is_infinite(c)) return -1;
+        const corners p = corners_of(c);
+        return is_bad(p, options_.radius_edge) && boundary_.contains(c) ? shortest_squared(p) : -1;
+    }
+
     bool any_bad() const {
         for (auto c = dt_.finite_cells_begin(); c != dt_.finite_cells_end(); ++c)
-            if (boundary_.contains(c) && is_bad(corners_of(c), options_.radius_edge)) return true;
+            if (judge(c) >= 0) return true;
         return false;
     }
 
