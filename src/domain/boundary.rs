@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use super::acute::Carrier;
 use super::blocked::Blocked;
-use super::elements::{Subfacets, Subsegments};
+use super::elements::{bit, Subfacets, Subsegments};
 pub use super::encroached::Encroached;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
@@ -32,6 +32,16 @@ pub(crate) fn face_keys<'a>(faces: impl IntoIterator<Item = &'a [u32; 3]>) -> Ve
     let mut keys: Vec<[u32; 3]> = faces.into_iter().map(|&face| face_key(face)).collect();
     keys.sort_unstable();
     keys
+}
+
+/// The places of a word's bits.
+#[inline]
+pub(crate) fn places(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        place
+    })
 }
 
 /// A vertex lies on a segment.
@@ -243,10 +253,10 @@ impl Boundary {
         self.subfacets.find(face)
     }
 
-    /// Whether a face of a tetrahedron with these vertices may be a subfacet.
+    /// Which faces of a tetrahedron with these vertices may be subfacets: a bit for each slot. Few others are among them.
     #[inline]
-    pub(crate) fn may_have_wall(&self, v: [u32; 4]) -> bool {
-        v.into_iter().filter(|&v| v != GHOST && self.kind(v) & ON_FACET != 0).count() >= 3
+    pub(crate) fn possible_walls(&self, v: [u32; 4]) -> u32 {
+        self.subfacets.possible_faces(v)
     }
 
     /// Whether two of these vertices are on the boundary, so that a subsegment or a subfacet may join them. Far from the boundary few tetrahedra have such.
@@ -533,11 +543,17 @@ impl Boundary {
         };
         let mut found: Vec<_> = facets.iter().map(|&face| (across(face), face, State::Missing)).collect();
         found.sort_unstable_by_key(|&(side, ..)| side);
+        // Few sides of the star are such: most miss a vertex of them.
+        let corners = facets.iter().flatten().fold(0, |corners, &v| corners | bit(v));
         for &tet in if found.is_empty() { &[] } else { star } {
             let v = t.topology.tet(tet).v;
             let at = v.iter().position(|&v| v == new).unwrap_or(0);
             let [a, b, c] = [v[at ^ 1], v[at ^ 2], v[at ^ 3]];
-            for (side, apex) in [(side(a, b), c), (side(b, c), a), (side(c, a), b)] {
+            for ([p, q], apex) in [([a, b], c), ([b, c], a), ([c, a], b)] {
+                if corners & bit(p) == 0 || corners & bit(q) == 0 {
+                    continue;
+                }
+                let side = side(p, q);
                 let Ok(at) = found.binary_search_by_key(&side, |&(side, ..)| side) else { continue };
                 let (_, face, state) = &mut found[at];
                 if *state != State::Encroached {

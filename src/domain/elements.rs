@@ -7,6 +7,7 @@
 
 use std::ops::Deref;
 
+use crate::geometry::quality::EDGES;
 use crate::leavings::Leavings;
 use crate::parted::PartedMap;
 use crate::{memory, Control, Error};
@@ -26,7 +27,7 @@ pub(crate) type Subfacets = Elements<3>;
 
 /// The bit of a vertex.
 #[inline]
-fn bit(v: u32) -> u64 {
+pub(super) fn bit(v: u32) -> u64 {
     1 << (v.wrapping_mul(0x9e37_79b1) >> 26)
 }
 
@@ -87,6 +88,15 @@ impl<const N: usize> Elements<N> {
         self.partners.get(v as usize).copied().unwrap_or(0)
     }
 
+    /// Which pairs of these vertices an element may have: [`EDGES`] that are not there are not among them, and few others.
+    #[inline(always)]
+    pub fn possible_edges(&self, vertices: [u32; 4]) -> u32 {
+        let (partners, bits) = (vertices.map(|v| self.partners(v)), vertices.map(bit));
+        let may_have =
+            |[i, j]: [usize; 2]| u32::from(partners[i] & bits[j] != 0) & u32::from(partners[j] & bits[i] != 0);
+        EDGES.iter().enumerate().fold(0, |edges, (n, &edge)| edges | may_have(edge) << n)
+    }
+
     /// Whether an element may have both of two vertices with these [`partners`](Self::partners).
     #[inline]
     pub fn may_hold(v: u32, of_v: u64, w: u32, of_w: u64) -> bool {
@@ -133,6 +143,17 @@ fn note<const N: usize>(partners: &mut Vec<u64>, key: [u32; N]) {
     }
 }
 
+impl Subfacets {
+    /// Bit by slot: whether the face opposite it, of a tetrahedron with these vertices, may be an element.
+    #[inline(always)]
+    pub fn possible_faces(&self, vertices: [u32; 4]) -> u32 {
+        /// Its three edges.
+        const SIDES: [u32; 4] = [0b11_1000, 0b10_0110, 0b01_0101, 0b00_1011];
+        let edges = self.possible_edges(vertices);
+        SIDES.iter().enumerate().fold(0, |faces, (slot, &sides)| faces | u32::from(edges & sides == sides) << slot)
+    }
+}
+
 impl<const N: usize> Leavings for Elements<N> {
     fn give_back(&mut self) -> bool {
         self.map.give_back() || self.partners.give_back()
@@ -142,6 +163,7 @@ impl<const N: usize> Leavings for Elements<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::triangulation::topology::GHOST;
 
     #[test]
     fn no_subsegment_is_denied() {
@@ -152,6 +174,13 @@ mod tests {
         subsegments.renumber(|v| 3 * v + 1, &Control::new()).unwrap();
         let may = |[v, w]: [u32; 2]| Subsegments::may_hold(v, subsegments.partners(v), w, subsegments.partners(w));
         assert_eq!(subsegments.len(), 200);
+        for &[v, w] in subsegments.keys() {
+            for (n, [i, j]) in EDGES.into_iter().enumerate() {
+                let mut vertices = [GHOST; 4];
+                (vertices[i], vertices[j]) = (w, v);
+                assert_eq!(subsegments.possible_edges(vertices), 1 << n);
+            }
+        }
         assert!(subsegments.keys().all(|&key| may(key)));
         // 64 bits of which some seven are set.
         let others = (0..200u32).flat_map(|v| (v + 8..200).map(move |w| [3 * v + 1, 3 * w + 1]));
@@ -173,6 +202,10 @@ mod tests {
             let [a, b, c] = [v, v + 1 + v % 7, v + 9].map(|v| 1000 - v);
             assert_eq!([[a, b, c], [c, a, b], [b, a, c]].map(|face| subfacets.find(face)), [Some(v); 3]);
             assert_eq!(subfacets.find([a, b, c - 1]), None);
+            // Whichever slot of a tetrahedron it is opposite.
+            for (slot, v) in [[7, a, b, c], [b, 7, c, a], [c, b, 7, a], [b, a, c, 7]].into_iter().enumerate() {
+                assert_eq!(subfacets.possible_faces(v) >> slot & 1, 1);
+            }
         }
         assert_eq!(subfacets.remove(&[1000 - 9, 1000 - 1, 1000]), Some(0));
         assert_eq!(subfacets.find([1000, 1000 - 1, 1000 - 9]), None);

@@ -5,15 +5,13 @@
 //! tetrahedron around `ab`. The same holds for subfacets, their circumcentres and dual edges. Of elements that vertices encroach upon, which there are near
 //! small input angles and while the boundary is refined lazily, those are found that the point would take out, and no others matter.
 
-use rustc_hash::FxHashMap;
-
-use super::boundary::{edge_key, face_key, Boundary};
+use super::boundary::{edge_key, face_key, places, Boundary};
 use super::elements::Subsegments;
 use super::pending::Demand;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
-use crate::sorting::sort;
+use crate::sorting::{sort, sort_unique};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{tet_of, Tetrahedron};
 use crate::triangulation::Triangulation;
@@ -36,8 +34,9 @@ pub struct Encroached {
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
-    /// Scratch: the subsegments in the cavity, and whether they stay.
-    inner: FxHashMap<[u32; 2], bool>,
+    /// Scratch: the subsegments in the cavity, in order, and whether they stay.
+    inner: Vec<[u32; 2]>,
+    stay: Vec<bool>,
 }
 
 impl Encroached {
@@ -119,66 +118,62 @@ impl Boundary {
         if on_boundary.next().is_none() {
             return Ok(());
         }
-        // Whether it stays: one of the faces around the cavity has it.
-        let mut segments = std::mem::take(&mut found.inner);
-        segments.clear();
         let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
+        found.inner.clear();
         for &tet in &cavity.tets {
             turns.check()?;
             let Tetrahedron { v, n } = *t.topology.tet(tet);
             if !self.may_have_edge(v) {
                 continue;
             }
-            let partners = v.map(|v| self.subsegments.partners(v));
-            for [i, j] in EDGES {
-                if !Subsegments::may_hold(v[i], partners[i], v[j], partners[j]) {
-                    continue;
-                }
+            for [i, j] in places(self.subsegments.possible_edges(v)).map(|n| EDGES[n]) {
                 let key = edge_key([v[i], v[j]]);
                 if self.subsegments.contains_key(&key) {
-                    segments.insert(key, false);
+                    found.inner.push(key);
                 }
             }
-            if self.may_have_wall(v) {
-                for (slot, &beyond) in n.iter().enumerate() {
-                    let across = tet_of(beyond);
-                    let goes = cavity.contains(across);
-                    // Each face is looked at once. A facet that parts two regions shows in their labels.
-                    if goes && across < tet || by_labels && !t.topology.labels_differ(tet, slot) {
-                        continue;
+            for slot in places(self.possible_walls(v)) {
+                let across = tet_of(n[slot]);
+                let goes = cavity.contains(across);
+                // Each face is looked at once. A facet that parts two regions shows in their labels.
+                if goes && across < tet || by_labels && !t.topology.labels_differ(tet, slot) {
+                    continue;
+                }
+                let face = t.topology.tet(tet).face(slot);
+                if !self.is_subfacet(face) {
+                    continue;
+                }
+                let key = face_key(face);
+                if encroaches_facet(key.map(|v| t.at(v)), p) {
+                    found.facets.push(key);
+                    if goes {
+                        found.going_facets.push(key);
                     }
-                    let face = t.topology.tet(tet).face(slot);
-                    if !self.is_subfacet(face) {
-                        continue;
-                    }
-                    let key = face_key(face);
-                    if encroaches_facet(key.map(|v| t.at(v)), p) {
-                        found.facets.push(key);
-                        if goes {
-                            found.going_facets.push(key);
-                        }
-                    } else if goes {
-                        found.lost_facets.push(key);
-                    }
+                } else if goes {
+                    found.lost_facets.push(key);
                 }
             }
         }
-        if !segments.is_empty() {
+        // Most have several tetrahedra.
+        let watch = control.watch();
+        sort_unique(&mut found.inner, &watch)?;
+        // Whether it stays: one of the faces around the cavity has it.
+        found.stay.clear();
+        found.stay.resize(found.inner.len(), false);
+        if !found.inner.is_empty() {
             for &face in &cavity.faces {
                 turns.check()?;
                 let corners = cavity.face(&t.topology, face);
-                let partners = corners.map(|v| self.subsegments.partners(v));
-                for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-                    if !Subsegments::may_hold(corners[i], partners[i], corners[j], partners[j]) {
-                        continue;
-                    }
-                    if let Some(stays) = segments.get_mut(&edge_key([corners[i], corners[j]])) {
-                        *stays = true;
+                let [a, b, c] = corners;
+                // Of three vertices, the last one twice.
+                for [i, j] in places(self.subsegments.possible_edges([a, b, c, c]) & 0b00_1011).map(|n| EDGES[n]) {
+                    if let Ok(place) = found.inner.binary_search(&edge_key([corners[i], corners[j]])) {
+                        found.stay[place] = true;
                     }
                 }
             }
         }
-        for (&key, &stays) in &segments {
+        for (&key, &stays) in found.inner.iter().zip(&found.stay) {
             turns.check()?;
             if encroaches_segment(key.map(|v| t.at(v)), p) {
                 found.segments.push(key);
@@ -189,13 +184,8 @@ impl Boundary {
                 found.lost_segments.push(key);
             }
         }
-        found.inner = segments;
-        // Not in the order of storage.
-        let watch = control.watch();
-        let Encroached { segments, facets, lost_segments, lost_facets, going_segments, going_facets, .. } = found;
-        for list in [segments, lost_segments, going_segments] {
-            sort(list, &watch)?;
-        }
+        // Faces come in the order of storage.
+        let Encroached { facets, lost_facets, going_facets, .. } = found;
         for list in [facets, lost_facets, going_facets] {
             sort(list, &watch)?;
         }

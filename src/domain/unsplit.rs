@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::acute::Carrier;
-use super::boundary::{edge_key, face_key, Boundary, ON_FACET};
+use super::boundary::{edge_key, face_key, places, Boundary, ON_FACET};
 use super::elements::Subsegments;
 use super::facet::{FacetChange, InSpace};
 use crate::triangulation::topology::{tet_of, GHOST};
@@ -65,8 +65,14 @@ impl Boundary {
         }
     }
 
-    /// What the boundary would be without these vertices, `None` when it can't be.
-    pub(crate) fn without(&self, t: &Triangulation, remove: &[u32]) -> Option<Unsplit> {
+    /// What the boundary would be without these vertices, `None` when it can't be. `stars` has all tetrahedra at those that lie on the boundary, each once,
+    /// and others perhaps.
+    pub(crate) fn without(
+        &self,
+        t: &Triangulation,
+        remove: &[u32],
+        stars: impl Iterator<Item = u32> + Clone,
+    ) -> Option<Unsplit> {
         let mut plan = Unsplit::default();
         let mut facets: Vec<u32> = Vec::new();
         let mut walls: Vec<(u32, [u32; 3])> = Vec::new();
@@ -77,15 +83,12 @@ impl Boundary {
             }
             let of_carrier = self.facets_at(&carrier);
             facets.extend_from_slice(of_carrier);
-            let star = t.topology.star(v);
-            for &id in &star {
+            let star = stars.clone().filter(|&id| t.topology.tet(id).v.contains(&v));
+            for id in star.clone() {
                 let tet = t.topology.tet(id);
-                if !self.may_have_wall(tet.v) {
-                    continue;
-                }
                 // Each face is looked at from one side.
                 let here = |&slot: &usize| tet.v[slot] != v && tet_of(tet.n[slot]) > id;
-                for face in (0..4).filter(here).map(|slot| tet.face(slot)) {
+                for face in places(self.possible_walls(tet.v)).filter(here).map(|slot| tet.face(slot)) {
                     let Some(facet) = self.wall(face) else { continue };
                     // Where rounding has brought two facets together, a vertex may be one of a facet that its carrier is not on.
                     if !of_carrier.contains(&facet) {
@@ -95,7 +98,7 @@ impl Boundary {
                 }
             }
             match carrier {
-                Carrier::Segment(segment) => self.join_at(t, (v, &star), segment, &mut plan)?,
+                Carrier::Segment(segment) => self.join_at(t, (v, star), segment, &mut plan)?,
                 Carrier::Facet(_) => {}
                 Carrier::Vertex(_) | Carrier::Free => return None,
             }
@@ -118,7 +121,13 @@ impl Boundary {
     }
 
     /// Joins the two subsegments at `v`.
-    fn join_at(&self, t: &Triangulation, (v, star): (u32, &[u32]), segment: u32, plan: &mut Unsplit) -> Option<()> {
+    fn join_at(
+        &self,
+        t: &Triangulation,
+        (v, star): (u32, impl Iterator<Item = u32>),
+        segment: u32,
+        plan: &mut Unsplit,
+    ) -> Option<()> {
         let mut ends: Vec<u32> = Vec::new();
         plan.joined.retain(|&(edge, of)| {
             let at_v = of == segment && edge.contains(&v);
@@ -130,7 +139,7 @@ impl Boundary {
         let partners = self.subsegments.partners(v);
         let may_end =
             |&w: &u32| w != v && w != GHOST && Subsegments::may_hold(v, partners, w, self.subsegments.partners(w));
-        let mut others: Vec<u32> = star.iter().flat_map(|&tet| t.topology.tet(tet).v).filter(may_end).collect();
+        let mut others: Vec<u32> = star.flat_map(|tet| t.topology.tet(tet).v).filter(may_end).collect();
         others.sort_unstable();
         others.dedup();
         for w in others {

@@ -26,6 +26,8 @@ pub struct Obstacles {
     of_edge: FxHashMap<[u32; 2], (Element, u32)>,
     /// By vertex.
     at: FxHashMap<u32, (Element, u32)>,
+    /// Scratch: which tetrahedra near a sample are in conflict with it.
+    known: FxHashMap<u32, bool>,
     /// None is remembered, for a test.
     #[cfg(test)]
     forgetful: bool,
@@ -82,7 +84,7 @@ impl Obstacles {
                 return true;
             }
         }
-        let obstacle = look_around((t, boundary), &filter, start, p, demand);
+        let obstacle = look_around((t, boundary), &filter, (start, &mut self.known), p, demand);
         if let Some(obstacle) = obstacle {
             self.note(t, edge, v, obstacle);
         }
@@ -97,11 +99,11 @@ const NEAR: usize = 24;
 fn look_around(
     (t, boundary): (&Triangulation, &Boundary),
     filter: &Filter,
-    start: u32,
+    (start, known): (u32, &mut FxHashMap<u32, bool>),
     p: DVec3,
     demand: Option<Demand>,
 ) -> Option<Element> {
-    let mut known: FxHashMap<u32, bool> = FxHashMap::default();
+    known.clear();
     let mut conflicts = |tet: u32| *known.entry(tet).or_insert_with(|| t.conflicts(filter, tet, p));
     if !conflicts(start) {
         return None;

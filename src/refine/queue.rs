@@ -9,7 +9,7 @@
 //! Among equals vertex ids decide, in order and not as they are stored, so that any triangulation whose vertices are numbered alike is
 //! refined alike: `wellspaced/cgal.hpp` does the same.
 
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::geometry::quality::EDGES;
@@ -18,46 +18,36 @@ use crate::sorting::sort;
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, Error};
 
-/// A tetrahedron whose turn is near.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A tetrahedron whose turn is near. Entries are in order as their fields are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     /// Bits of the squared length of its shortest edge: for positive numbers they sort as the numbers do.
     shortest: u64,
-    /// Its vertices when it was found bad.
-    v: [u32; 4],
+    /// Its vertices when it was found bad, in order and two in a word each: those around one edge are compared very often.
+    vertices: [u64; 2],
     /// Where it was stored then.
     t: u32,
 }
 
 impl Entry {
+    fn new(t: &Triangulation, tet: u32, shortest: f64) -> Entry {
+        Entry { shortest: shortest.to_bits(), vertices: Entry::vertices(t, tet), t: tet }
+    }
+
+    fn vertices(t: &Triangulation, tet: u32) -> [u64; 2] {
+        let mut v = t.topology.tet(tet).v;
+        v.sort_unstable();
+        [[v[0], v[1]], [v[2], v[3]]].map(|[a, b]| u64::from(a) << 32 | u64::from(b))
+    }
+
     fn is_live(&self, t: &Triangulation) -> bool {
-        t.topology.tet(self.t).v == self.v
+        Entry::vertices(t, self.t) == self.vertices
     }
 }
 
 /// Exponent and four bits of the mantissa.
 fn bucket(shortest: u64) -> u32 {
     (shortest >> 48) as u32
-}
-
-impl Ord for Entry {
-    #[inline]
-    fn cmp(&self, other: &Entry) -> Ordering {
-        self.shortest.cmp(&other.shortest).then_with(|| {
-            let sorted = |mut v: [u32; 4]| {
-                v.sort_unstable();
-                v
-            };
-            (sorted(self.v), self.v, self.t).cmp(&(sorted(other.v), other.v, other.t))
-        })
-    }
-}
-
-impl PartialOrd for Entry {
-    #[inline]
-    fn partial_cmp(&self, other: &Entry) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 /// A priority queue of tetrahedra.
@@ -235,7 +225,7 @@ impl Queue {
         if self.heap.len() == self.heap.capacity() {
             self.heap.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;
         }
-        self.heap.push(Reverse(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet }));
+        self.heap.push(Reverse(Entry::new(t, tet, shortest)));
         Ok(())
     }
 
@@ -317,7 +307,7 @@ impl Queue {
         for &(tet, shortest) in &self.judged {
             turns.check()?;
             if bucket(shortest.to_bits()) == first {
-                entries.push(Entry { shortest: shortest.to_bits(), v: t.topology.tet(tet).v, t: tet });
+                entries.push(Entry::new(t, tet, shortest));
             }
         }
         if entries.len() > MANY {

@@ -152,8 +152,7 @@ impl Refiner<'_> {
         };
         let follows = self.boundary.misses();
         if !follows || self.follow(demand.following())? {
-            let vertices = self.records.iter().map(|record| record.vertex);
-            let stars: Vec<u32> = vertices.flat_map(|v| self.t.topology.star(v)).collect();
+            let stars = self.changed_stars();
             let mut sound = !follows && !self.leaks(&stars);
             let plain = sound;
             if !sound {
@@ -174,6 +173,14 @@ impl Refiner<'_> {
             Element::Segment(edge) => self.block_segment(edge, NEVER),
             Element::Facet(face) => self.block_facet(face, NEVER),
         })
+    }
+
+    /// The tetrahedra at the vertices of the transaction.
+    fn changed_stars(&self) -> Vec<u32> {
+        match &self.records[..] {
+            [record] if record.inserted => self.cavity.created.clone(),
+            records => records.iter().flat_map(|record| self.t.topology.star(record.vertex)).collect(),
+        }
     }
 
     /// Splits what a split has left missing; whether nothing is missing then. No control cancels it: the split would be half done.
@@ -328,10 +335,11 @@ impl Refiner<'_> {
                 if tet.is_ghost() {
                     label = Some(OUTSIDE);
                 }
+                let walls = self.boundary.possible_walls(tet.v);
                 for slot in 0..4 {
                     let across = tet_of(tet.n[slot]);
                     if labels.contains_key(&across) && changed.contains(&across)
-                        || self.boundary.is_subfacet(tet.face(slot))
+                        || walls >> slot & 1 != 0 && self.boundary.is_subfacet(tet.face(slot))
                     {
                         continue;
                     }

@@ -2,7 +2,7 @@
 
 use super::search::Found;
 use super::{Demand, Sparsifier};
-use crate::domain::boundary::face_key;
+use crate::domain::boundary::{face_key, places};
 use crate::domain::label::OUTSIDE;
 use crate::domain::Boundary;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
@@ -128,8 +128,7 @@ fn at_boundary<'a>(t: &'a Triangulation, boundary: &'a Boundary, hole: &'a Hole)
 /// The subfacets of a tetrahedron.
 fn walls<'a>(t: &'a Triangulation, boundary: &'a Boundary, tet: u32) -> impl Iterator<Item = [u32; 3]> + 'a {
     let tet = t.topology.tet(tet);
-    let slots = if boundary.may_have_wall(tet.v) { 0..4 } else { 0..0 };
-    slots.map(|slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some())
+    places(boundary.possible_walls(tet.v)).map(|slot| tet.face(slot)).filter(|&face| boundary.wall(face).is_some())
 }
 
 /// And its subsegments.

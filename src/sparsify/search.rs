@@ -108,7 +108,7 @@ impl Sparsifier {
         if self.near.is_empty() && while_refining {
             return None;
         }
-        let plan = boundary.without(t, &[v])?;
+        let plan = boundary.without(t, &[v], self.alone.stars())?;
         let most = if while_refining { self.effort.alone } else { self.effort.obstacles };
         if !self.alone.fill(t, boundary, &[v], &plan, demand, most) {
             return None;
@@ -214,7 +214,7 @@ impl Sparsifier {
             if !all_free && !pair.open(t, &remove) {
                 continue;
             }
-            let Some(plan) = boundary.without(t, &remove) else { continue };
+            let Some(plan) = boundary.without(t, &remove, pair.stars()) else { continue };
             let filled = if all_free {
                 pair.fill_more(alone, t, boundary, (w, spacing), demand, obstacles)
             } else {

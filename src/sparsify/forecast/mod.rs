@@ -107,6 +107,8 @@ pub struct Forecast {
     borrowed: bool,
     lent: bool,
     going: Vec<u32>,
+    /// Tetrahedra at the vertices that go, outside the domain.
+    outside: Vec<u32>,
     rim: Vec<Rim>,
     open: OpenFaces,
     corners: Corners,
@@ -165,6 +167,7 @@ impl Forecast {
         }
         self.vertices.clear();
         self.going.clear();
+        self.outside.clear();
         self.star.clear();
         self.rim.clear();
         self.open.clear();
@@ -188,6 +191,11 @@ impl Forecast {
     /// The tetrahedra that go.
     pub fn going(&self) -> &[u32] {
         &self.going
+    }
+
+    /// The stars of the vertices that an open hole is of, outside the domain, too.
+    pub fn stars(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.going.iter().chain(&self.outside).copied()
     }
 
     /// Fills the open hole of these vertices. `plan` is what becomes of the boundary. False when it can't be foreseen, or more than `most`
@@ -241,10 +249,11 @@ impl Forecast {
         sides: &mut Vec<(u32, bool)>,
     ) -> bool {
         let tet = *t.topology.tet(self.going[i]);
+        let walls = boundary.possible_walls(tet.v);
         for (slot, &behind) in tet.n.iter().enumerate() {
             let beyond = tet_of(behind);
             let face = FACE[slot].map(|k| tet.v[k]);
-            let facet = boundary.wall(face);
+            let facet = if walls >> slot & 1 != 0 { boundary.wall(face) } else { None };
             if self.marks[beyond as usize] != 0 && facet.is_none() {
                 continue;
             }
@@ -327,11 +336,12 @@ impl Forecast {
                 }
             }
         }
-        let marks = &mut self.marks;
+        let Forecast { marks, outside, .. } = self;
         self.going.retain(|&id| {
             let inside = t.is_inside(id);
             if !inside {
                 marks[id as usize] = 0;
+                outside.push(id);
             }
             inside
         });

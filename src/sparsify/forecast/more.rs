@@ -87,11 +87,11 @@ impl Forecast {
         }
         for (i, &id) in cavity.tets.iter().enumerate() {
             let tet = t.topology.tet(id);
-            let may_have_wall = boundary.may_have_wall(tet.v);
+            let walls = boundary.possible_walls(tet.v);
             let v = tet.v.map(|v| self.number_of(t, v));
             let mut n = [0; 4];
             for (slot, &behind) in tet.n.iter().enumerate() {
-                let facet = if may_have_wall { boundary.wall(FACE[slot].map(|k| tet.v[k])) } else { None };
+                let facet = if walls >> slot & 1 != 0 { boundary.wall(FACE[slot].map(|k| tet.v[k])) } else { None };
                 let beyond = tet_of(behind);
                 n[slot] = if cavity.contains(beyond) {
                     if facet.is_some() {
