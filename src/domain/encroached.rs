@@ -13,7 +13,7 @@ use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::quality::EDGES;
 use crate::sorting::{sort, sort_unique};
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{tet_of, Tetrahedron};
+use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
 
@@ -37,6 +37,27 @@ pub struct Encroached {
     /// Scratch: the subsegments in the cavity, in order, and whether they stay.
     inner: Vec<[u32; 2]>,
     stay: Vec<bool>,
+}
+
+/// The edges that have been looked at last: those of a cavity come several times.
+struct Recent([[u32; 2]; 1 << Recent::BITS]);
+
+impl Default for Recent {
+    fn default() -> Self {
+        Recent([[GHOST; 2]; 1 << Recent::BITS])
+    }
+}
+
+impl Recent {
+    const BITS: u32 = 6;
+
+    /// Notes an edge. False if it is known to have been noted before.
+    #[inline(always)]
+    fn is_new(&mut self, edge: [u32; 2]) -> bool {
+        let [a, b] = edge;
+        let place = (a.wrapping_mul(0x9e37_79b1) ^ b.wrapping_mul(0x85eb_ca77)) >> (u32::BITS - Recent::BITS);
+        std::mem::replace(&mut self.0[place as usize], edge) != edge
+    }
 }
 
 impl Encroached {
@@ -120,6 +141,7 @@ impl Boundary {
         }
         let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
         found.inner.clear();
+        let mut recent = Recent::default();
         for &tet in &cavity.tets {
             turns.check()?;
             let Tetrahedron { v, n } = *t.topology.tet(tet);
@@ -128,7 +150,7 @@ impl Boundary {
             }
             for [i, j] in places(self.subsegments.possible_edges(v)).map(|n| EDGES[n]) {
                 let key = edge_key([v[i], v[j]]);
-                if self.subsegments.contains_key(&key) {
+                if recent.is_new(key) && self.subsegments.contains_key(&key) {
                     found.inner.push(key);
                 }
             }
@@ -154,7 +176,6 @@ impl Boundary {
                 }
             }
         }
-        // Most have several tetrahedra.
         let watch = control.watch();
         sort_unique(&mut found.inner, &watch)?;
         // Whether it stays: one of the faces around the cavity has it.

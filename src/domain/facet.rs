@@ -371,16 +371,18 @@ impl FacetTriangulation {
         let goes = |v: &u32| remove.contains(v);
         let removed: Vec<[u32; 3]> =
             at_them.map(|face| self.triangle(face).map(rotate_lowest)).collect::<Option<_>>()?;
-        let inner: rustc_hash::FxHashSet<[u32; 2]> = removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
-        let mut open: Vec<[u32; 2]> = Vec::new();
+        let mut inner: Vec<[u32; 2]> = removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
+        inner.sort_unstable();
+        let is_inner = |edge: [u32; 2]| inner.binary_search(&edge).is_ok();
+        let mut open: Vec<[u32; 2]> = Vec::with_capacity(removed.len() + 2);
         for &triangle in &removed {
             for ([a, b], _) in sides(triangle) {
                 if goes(&a) || goes(&b) {
                     // A spoke must lead on, or lie on a segment.
-                    if !inner.contains(&[b, a]) && !fixed([a, b]) {
+                    if !is_inner([b, a]) && !fixed([a, b]) {
                         return None;
                     }
-                } else if !inner.contains(&[b, a]) {
+                } else if !is_inner([b, a]) {
                     open.push([a, b]);
                 } else if fixed([a, b]) {
                     return None;
@@ -399,7 +401,7 @@ impl FacetTriangulation {
         vertices.sort_unstable();
         vertices.dedup();
         let limit = removed.len() + 2;
-        let mut created: Vec<[u32; 3]> = Vec::new();
+        let mut created: Vec<[u32; 3]> = Vec::with_capacity(removed.len());
         while let Some([a, b]) = open.pop() {
             let mut apex: Option<u32> = None;
             for &x in &vertices {
@@ -426,7 +428,7 @@ impl FacetTriangulation {
         }
         // Nothing that comes may stand across an edge from what stays.
         let free = |&[a, b, c]: &[u32; 3]| {
-            sides([a, b, c]).into_iter().all(|(edge, _)| inner.contains(&edge) || !self.apex.contains_key(&edge))
+            sides([a, b, c]).into_iter().all(|(edge, _)| is_inner(edge) || !self.apex.contains_key(&edge))
         };
         created.iter().all(free).then_some(FacetChange { removed, created })
     }

@@ -40,12 +40,19 @@ pub struct Record {
     labels: Labels,
 }
 
-/// Tetrahedra by their vertices in order, with their labels, and in order themselves.
+/// Tetrahedra by their vertices, with their labels, as they were stored: few are ever looked up, after they have been put [in order](labels_in_order).
 pub type Labels = Vec<([u32; 4], u16)>;
 
 fn in_order(mut v: [u32; 4]) -> [u32; 4] {
     v.sort_unstable();
     v
+}
+
+/// The same with vertices in order, and in order themselves.
+fn labels_in_order(labels: &Labels) -> Labels {
+    let mut labels: Labels = labels.iter().map(|&(v, label)| (in_order(v), label)).collect();
+    labels.sort_unstable();
+    labels
 }
 
 /// A boundary element.
@@ -223,10 +230,7 @@ impl Refiner<'_> {
         if self.boundary.recovering || topology.region.is_empty() {
             return Labels::new();
         }
-        let of = |&tet: &u32| (in_order(topology.tet(tet).v), topology.region[tet as usize]);
-        let mut labels: Labels = tets.iter().map(of).collect();
-        labels.sort_unstable();
-        labels
+        tets.iter().map(|&tet| (topology.tet(tet).v, topology.region[tet as usize])).collect()
     }
 
     /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
@@ -304,6 +308,7 @@ impl Refiner<'_> {
     }
 
     fn restore_labels(&mut self, tets: &[u32], labels: &Labels) {
+        let labels = labels_in_order(labels);
         for &tet in tets {
             let v = in_order(self.t.topology.tet(tet).v);
             if let Ok(place) = labels.binary_search_by_key(&v, |known| known.0) {
@@ -385,8 +390,8 @@ impl Refiner<'_> {
             })
         };
         let made_since = |v: &u32| self.records.iter().any(|record| record.inserted && record.vertex == *v);
-        let known = self.records.iter().flat_map(|record| &record.labels);
+        let known = self.records.iter().flat_map(|record| labels_in_order(&record.labels));
         let mut before = known.filter(|(v, _)| v[3] != GHOST && !v.iter().any(made_since));
-        before.find(|(v, _)| holds(v)).map(|&(_, label)| label)
+        before.find(|(v, _)| holds(v)).map(|(_, label)| label)
     }
 }

@@ -177,9 +177,12 @@ impl Sparsifier {
         let is_on_boundary = matches!(subject, Subject::Vertex(v) if boundary.kind(v) != 0);
         near.retain_mut(|candidate| {
             let Some(number) = alone.number_in_hole(candidate.v) else { return false };
-            candidate.spacing = alone.spacing(number);
             let misses = |&&i: &&u32| !alone.filling[i as usize].v.contains(&number);
-            candidate.spacing >= spacing && alone.obstacles.iter().filter(misses).count() <= remaining
+            if alone.obstacles.iter().filter(misses).count() > remaining {
+                return false;
+            }
+            candidate.spacing = alone.spacing(number);
+            candidate.spacing >= spacing
         });
         let rank = |c: &Candidate| if widest { -c.spacing } else { c.distance };
         near.sort_unstable_by(|a, b| rank(a).total_cmp(&rank(b)).then(a.v.cmp(&b.v)));
