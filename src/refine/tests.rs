@@ -1,3 +1,5 @@
+mod lazy;
+
 use super::*;
 use crate::samples::{numbers, on_a_sphere};
 use crate::triangulation::cavity::Cavity;

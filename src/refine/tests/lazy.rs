@@ -1,0 +1,96 @@
+//! Where a boundary was refined lazily, and something else goes on: another rule, one batch at a time, or without splits.
+
+use super::*;
+
+/// A plate so thin that nearly all of its boundary is encroached, with two points near to each other inside.
+fn plate() -> Plc {
+    let count = 24;
+    let mut plc = Plc::default();
+    for z in [0.0, 6.0] {
+        for k in 0..count {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(count)).sin_cos();
+            plc.points.push(DVec3::new(40.0 * cos, 40.0 * sin, z));
+        }
+    }
+    let facet = |polygon: Vec<u32>| PlcFacet { polygons: vec![polygon], ..PlcFacet::default() };
+    plc.facets.extend([facet((0..count).collect()), facet((count..2 * count).collect())]);
+    plc.facets.extend((0..count).map(|k| {
+        let next = (k + 1) % count;
+        facet(vec![k, next, count + next, count + k])
+    }));
+    plc.points.extend([DVec3::new(3.0, 1.0, 2.9), DVec3::new(3.3, 1.0, 2.8)]);
+    plc
+}
+
+fn meshed() -> (Mesh, f64) {
+    let mesh = Mesh::from_plc(&plate(), &Control::new()).unwrap();
+    let volume = volume(&mesh);
+    (mesh, volume)
+}
+
+#[test]
+fn any_rule_goes_on_where_one_was_cancelled() {
+    let lazily = RefineOptions::default();
+    let (mesh, whole) = meshed();
+    let control = Control::new();
+    let looks = control.looks(None, || assert!(mesh.clone().refine(&lazily, &control).is_ok()));
+    assert!(looks > 200, "{looks}");
+    let mut left = 0;
+    // The last ones come when all is done, while memory is given back.
+    for (turn, last) in (1..looks * 3 / 4).step_by(looks / 16).enumerate() {
+        let mut mesh = mesh.clone();
+        control.looks(Some(last), || {
+            let status = mesh.refine(&lazily, &control).unwrap().status;
+            assert_eq!(status, RefineStatus::Cancelled, "look {last} of {looks}");
+        });
+        mesh.validate(3).unwrap();
+        let rule = [Rule::Circumcenter, Rule::Paper, Rule::Sparse][turn % 3];
+        let options = RefineOptions { rule, sparsify: Some(Sparsify::Off), ..RefineOptions::default() };
+        let report = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!((report.status, report.bad), (RefineStatus::Done, 0), "{rule:?}");
+        // Its own splits, and what the other has left encroached.
+        left += report.segment_splits + report.facet_splits;
+        check(&mesh, 2.0, whole);
+        // Nothing is left that would have it go on.
+        let again = mesh.refine(&options, &Control::new()).unwrap();
+        assert_eq!((again.samples, again.segment_splits, again.facet_splits), (0, 0, 0));
+    }
+    assert!(left > 0);
+}
+
+#[test]
+fn steps_go_on_where_one_stopped_at_a_limit() {
+    let (mut mesh, whole) = meshed();
+    let lazily = RefineOptions { max_vertices: 80, ..RefineOptions::default() };
+    assert_eq!(mesh.refine(&lazily, &Control::new()).unwrap().status, RefineStatus::VertexLimit);
+    let options = step::StepOptions { radius_edge: 2.0, rule: Rule::Paper };
+    let mut steps = 0;
+    while let Some(&edge) = mesh.bad_short_edges(2.0).unwrap().first() {
+        let batch = mesh.steiner_batch(edge, &options).unwrap();
+        assert!(!batch.points.is_empty());
+        mesh.insert_batch(&batch).unwrap();
+        steps += 1;
+        assert!(steps < 5000);
+    }
+    assert!(steps > 3, "{steps}");
+    check(&mesh, 2.0, whole);
+}
+
+#[test]
+fn a_kept_boundary_stays_as_a_lazy_refinement_has_left_it() {
+    let (mut mesh, whole) = meshed();
+    mesh.refine(&RefineOptions { max_vertices: 80, ..RefineOptions::default() }, &Control::new()).unwrap();
+    let before = mesh.boundary().unwrap().subfacets();
+    for rule in [Rule::Sparse, Rule::Circumcenter] {
+        let kept = RefineOptions { rule, keep_boundary: true, ..RefineOptions::default() };
+        let report = mesh.refine(&kept, &Control::new()).unwrap();
+        mesh.validate(3).unwrap();
+        assert_eq!(mesh.boundary().unwrap().subfacets(), before);
+        assert_eq!((report.segment_splits, report.facet_splits), (0, 0));
+        assert_eq!(report.bad, report.unrefined.iter().sum::<usize>());
+        assert!(report.bad > 0, "{rule:?}");
+    }
+    let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+    assert_eq!((report.status, report.bad), (RefineStatus::Done, 0));
+    check(&mesh, 2.0, whole);
+}
