@@ -5,6 +5,7 @@
 //! | [`plc`] | the complex as the caller describes it |
 //! | [`check`] | every defect of a complex |
 //! | [`boundary`] | its subsegments and subfacets as they are split |
+//! | `waiting` | which of them wait to be split |
 //! | `encroached` | which of them a point encroaches upon |
 //! | `build` | from complex, or hull, to boundary |
 //! | `cut` | polygons that are not planar cut into triangles |
@@ -46,6 +47,7 @@ mod split;
 mod tests;
 mod unsplit;
 mod validate;
+mod waiting;
 
 pub use acute::Carrier;
 pub use boundary::Boundary;
