@@ -63,16 +63,7 @@ fn steps_go_on_where_one_stopped_at_a_limit() {
     let (mut mesh, whole) = meshed();
     let lazily = RefineOptions { max_vertices: 80, ..RefineOptions::default() };
     assert_eq!(mesh.refine(&lazily, &Control::new()).unwrap().status, RefineStatus::VertexLimit);
-    let options = step::StepOptions { radius_edge: 2.0, rule: Rule::Paper };
-    let mut steps = 0;
-    while let Some(&edge) = mesh.bad_short_edges(2.0).unwrap().first() {
-        let batch = mesh.steiner_batch(edge, &options).unwrap();
-        assert!(!batch.points.is_empty());
-        mesh.insert_batch(&batch).unwrap();
-        steps += 1;
-        assert!(steps < 5000);
-    }
-    assert!(steps > 3, "{steps}");
+    refine_in_steps(&mut mesh);
     check(&mesh, 2.0, whole);
 }
 
