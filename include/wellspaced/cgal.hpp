@@ -33,8 +33,8 @@
 // 2^-142 to 2^201. `dt` is a valid Delaunay triangulation whenever an exception leaves refine, also when on_insert throws.
 //
 // Cost, with the triangulation of the input, over CGAL's insertion of the same points one by one in the same order, each located from the one
-// before: 0.8 to 1.2 times on sets of 10,000 input points, 1.1 to 1.5 times on one of 1,000 about lines, and 2.3 to 2.7 times on those of 10 and
-// 32, where all memory is near and plain insertion is fastest (cpp_tests/bench/cgal.cpp).
+// before: 0.9 to 1.3 times on sets of 10,000 input points, 1.3 to 1.4 times on one of 1,000 about lines, and 2.2 to 2.4 times on those of 10 and
+// 32, where plain insertion is fastest and most samples only find what has to be split before them (cpp_tests/bench/cgal.cpp).
 
 #ifndef WELLSPACED_CGAL_HPP
 #define WELLSPACED_CGAL_HPP

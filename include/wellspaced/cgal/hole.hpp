@@ -227,14 +227,12 @@ private:
     void search(cell start) {
         cells_.clear();
         cell_corners_.clear();
-        entries_.clear();
         outline_.clear();
         labels_.clear();
         corners_.clear();
         if (++turn_ == 0) table_.assign(table_.size(), {}), turn_ = 1;
         const unmark marks{*this};
         cells_.push_back(start);
-        entries_.push_back(-1);
         for (int j = 0; j < 4; ++j) fetch(start->neighbor(j));
         start->tds_data().mark_in_conflict();
         std::array<place, 4> own;
@@ -246,10 +244,9 @@ private:
         cell_corners_.push_back(own);
         for (std::size_t n = 0; n < cells_.size(); ++n) {
             const cell c = cells_[n];
-            const int entry = entries_[n];
             own = cell_corners_[n];
+            // The cell that led here is in conflict, too.
             for (int k = 0; k < 4; ++k) {
-                if (k == entry) continue;
                 const cell across = c->neighbor(k);
                 auto& mark = across->tds_data();
                 if (mark.is_in_conflict()) continue;
@@ -282,7 +279,6 @@ private:
         places[opposite] = place_at(apex);
         cells_.push_back(c);
         cell_corners_.push_back(places);
-        entries_.push_back(opposite);
     }
     void look_at(vertex v, corner& c) const {
         c.v = v;
@@ -323,7 +319,6 @@ private:
     vertex infinite_;
     std::vector<cell> cells_, star_;
     std::vector<std::array<place, 4>> cell_corners_;
-    std::vector<int> entries_;  // the slot of each cell in conflict that leads to the one before it
     std::vector<facet> outline_;
     std::vector<corner> corners_;
     std::vector<std::array<place, 3>> labels_;  // the corners of each face of the outline
