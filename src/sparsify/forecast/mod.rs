@@ -348,20 +348,25 @@ impl Forecast {
         self.going.len() <= 2 * MAX_VERTICES
     }
 
-    #[inline]
+    #[inline(always)]
     fn number_of(&mut self, t: &Triangulation, v: u32) -> u8 {
-        debug_assert!(v != GHOST);
-        let number = &mut self.number[v as usize];
-        if *number == NONE {
-            let count = self.vertices.len();
-            *number = count.min(MAX_VERTICES) as u8;
-            self.vertices.push(v);
-            let p = t.at(v) - self.origin;
-            self.x.push(p.x);
-            self.y.push(p.y);
-            self.z.push(p.z);
+        match self.number[v as usize] {
+            NONE => self.new_number(t, v),
+            number => number,
         }
-        *number
+    }
+
+    #[inline(never)]
+    fn new_number(&mut self, t: &Triangulation, v: u32) -> u8 {
+        debug_assert!(v != GHOST);
+        let number = self.vertices.len().min(MAX_VERTICES) as u8;
+        self.number[v as usize] = number;
+        self.vertices.push(v);
+        let p = t.at(v) - self.origin;
+        self.x.push(p.x);
+        self.y.push(p.y);
+        self.z.push(p.z);
+        number
     }
 
     /// The number of a vertex, if it is of the hole.

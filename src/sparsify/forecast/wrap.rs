@@ -194,7 +194,9 @@ impl Forecast {
             if self.filling.len() >= limit {
                 return false;
             }
-            let [a, b, c] = face.v.map(|v| self.at(v));
+            // No `map`: it would not be inlined here, where more instructions may be used than elsewhere.
+            let [i, j, k] = face.v;
+            let (a, b, c) = (self.at(i), self.at(j), self.at(k));
             let (u, w) = (b - a, c - a);
             let n = u.cross(w);
             let nn = n.length_squared();
@@ -209,7 +211,6 @@ impl Forecast {
                 .min(a.distance_squared(d))
                 .min(b.distance_squared(d))
                 .min(c.distance_squared(d));
-            let [i, j, k] = face.v;
             let this = self.filling.len() as u16;
             let mut tet = Filling {
                 v: [i, j, k, apex],
