@@ -1,5 +1,5 @@
 //! The boundary of a domain as the refinement sees it: subsegments and subfacets, which change as they are split, and the queues of those that
-//! have to be (which [`waiting`](super::waiting) goes through).
+//! have to be (which `waiting` goes through).
 
 use std::collections::VecDeque;
 
