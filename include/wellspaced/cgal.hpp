@@ -21,9 +21,10 @@
 // What is kept: handles of vertices stay valid, those of cells as after dt.insert. Kernel, vertex and cell types and tags
 // are free (Fast_location excepted: its hierarchy must be told of points by its own insert); with Parallel_tag nobody else may use `dt` during
 // the call. Coordinates are taken as doubles; new points have double coordinates. Tested with
-// CGAL 5.5.1 in each run of the tests; with 6.0.1 and 6.1.1 all of them passed, too (-D WELLSPACED_CGAL_INCLUDE=...). Of the triangulation and
-// its data structure what CGAL documents is used (locate, create_cell, create_vertex, delete_cells, set_neighbor, incident_cells and the like,
-// side_of_sphere, Compact_container::is_used), but for side_of_sphere's third argument (perturb).
+// CGAL 5.5.1 in each run of the tests; with 6.0.1 and 6.2.1 the examples and the comparisons with the library's own kernel passed, too (for all
+// tests: -D WELLSPACED_CGAL_INCLUDE=...). Of the triangulation and its data structure what CGAL documents is used (locate, create_cell, create_vertex,
+// delete_cells, set_neighbor, incident_cells and the like, side_of_sphere, Compact_container::is_used), but for side_of_sphere's third argument (perturb)
+// and the marks of cells (tds_data, in these versions the same).
 //
 // Order: that of the library's own refinement without its pass (WSP_SPARSIFY_OFF). Vertices are numbered as `dt` lists them; where they were
 // inserted one by one in the order of the library's input, the same Steiner points come in the same order, bit by bit

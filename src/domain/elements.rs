@@ -88,7 +88,7 @@ impl<const N: usize> Elements<N> {
         self.partners.get(v as usize).copied().unwrap_or(0)
     }
 
-    /// Which pairs of these vertices an element may have: [`EDGES`] that are not there are not among them, and few others.
+    /// A bit for each of [`EDGES`] between these vertices; clear where no element has both ends.
     #[inline(always)]
     pub fn possible_edges(&self, vertices: [u32; 4]) -> u32 {
         let (partners, bits) = (vertices.map(|v| self.partners(v)), vertices.map(bit));

@@ -103,6 +103,10 @@ fn look_around(
     p: DVec3,
     demand: Option<Demand>,
 ) -> Option<Element> {
+    // Where very many tetrahedra stand around an edge, it has grown, and to clear it would take long.
+    if known.capacity() > 64 * NEAR {
+        *known = FxHashMap::default();
+    }
     known.clear();
     let mut conflicts = |tet: u32| *known.entry(tet).or_insert_with(|| t.conflicts(filter, tet, p));
     if !conflicts(start) {

@@ -9,7 +9,7 @@
 // changes. Cells are marked with the data that CGAL's cells have for that (`tds_data`), which are clear again when the search is over. Where
 // floating point can't say whether a cell is in conflict, dt.side_of_sphere does, with CGAL's perturbation.
 // The star is filled with the operations that CGAL documents for its data structure; cells meet across an edge of the outline, found in a
-// table of pairs of its vertices.
+// table of pairs of its vertices, or where there are very many by sorting them.
 
 #ifndef WELLSPACED_CGAL_HOLE_HPP
 #define WELLSPACED_CGAL_HOLE_HPP
@@ -92,7 +92,11 @@ public:
         star_.clear();
         // As wide as this hole needs it: rows that are far apart share no cache lines.
         const std::size_t width = corners_.size();
-        if (open_.size() < width * width) open_.assign(2 * width * width, std::uint32_t(none));
+        const bool is_large = width > most_in_table;
+        if (is_large)
+            sort_sides();
+        else if (open_.size() < width * width)
+            open_.assign(2 * width * width, std::uint32_t(none));
         const vertex v = tds.create_vertex();
         v->set_point(at_);
         try {
@@ -117,6 +121,7 @@ public:
             made->set_neighbor(slot, beyond);
             const std::array<place, 3>& c = labels_[n];
             for (place k : c) corners_[k].v->set_cell(made);
+            if (is_large) continue;
             // c[k] is in slot (slot + 1 + k) & 3; the neighbour across it shares the other two.
             for (int k = 0; k < 3; ++k) {
                 std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
@@ -126,13 +131,13 @@ public:
                 if (open == none) {
                     open = here;
                 } else {
-                    const cell other = star_[open / 4];
-                    made->set_neighbor(static_cast<int>(here % 4), other);
-                    other->set_neighbor(static_cast<int>(open % 4), made);
+                    meet(here, open);
                     open = none;
                 }
             }
         }
+        if (is_large)
+            for (std::size_t n = 0; n + 1 < sides_.size(); n += 2) meet(sides_[n].second, sides_[n + 1].second);
         v->set_cell(star_.front());
         tds.delete_cells(cells_.begin(), cells_.end());
         return v;
@@ -161,6 +166,26 @@ public:
 
 private:
     static constexpr std::uint32_t none = 0xFFFFFFFF;
+    // Of more vertices a table would take more than four megabytes.
+    static constexpr std::size_t most_in_table = 1024;
+
+    // The sides of the outline's faces by their vertices: in order, each is there from both sides.
+    void sort_sides() {
+        sides_.clear();
+        sides_.reserve(3 * labels_.size());
+        for (std::size_t n = 0; n < labels_.size(); ++n)
+            for (int k = 0; k < 3; ++k) {
+                const std::uint64_t a = labels_[n][(k + 1) % 3], b = labels_[n][(k + 2) % 3];
+                const std::size_t here = 4 * n + static_cast<std::size_t>((outline_[n].second + 1 + k) & 3);
+                sides_.emplace_back((std::min)(a, b) << 32 | (std::max)(a, b), static_cast<std::uint32_t>(here));
+            }
+        std::sort(sides_.begin(), sides_.end());
+    }
+    // Makes two cells of the star neighbours, each given as four times its place in it and the slot.
+    void meet(std::uint32_t a, std::uint32_t b) {
+        star_[a / 4]->set_neighbor(static_cast<int>(a % 4), star_[b / 4]);
+        star_[b / 4]->set_neighbor(static_cast<int>(b % 4), star_[a / 4]);
+    }
     // Whether the user's coordinates are doubles, so that differences of them are what they seem.
     static constexpr bool is_double = std::is_same<typename Dt::Geom_traits::FT, double>::value;
     struct label {
@@ -325,6 +350,7 @@ private:
     std::vector<label> table_ = std::vector<label>(256);
     std::uint32_t turn_ = 0;
     std::vector<std::uint32_t> open_;  // by two vertices: the cell and slot that wait for the other side, all `none` between calls
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> sides_;  // where there are very many
     std::vector<bad_cell> bad_;
 };
 

@@ -44,7 +44,7 @@ public:
     void push(cell c, double squared) {
         const entry e = entry_of(c, squared);
         const std::uint32_t in = bucket(squared);
-        if (in != current_)
+        if (in > current_)
             list(in).push_back(waiting_for(e));
         else if (!group_.empty() && squared == group_.front().e.squared)
             join(e);
@@ -61,7 +61,7 @@ public:
             if (count_ == 0) return false;
             while (first_ < lists_.size() && lists_[first_].empty()) ++first_;
             const bool idle = group_.empty() && heap_.empty();
-            if (first_ < lists_.size() && (idle || base_ + first_ < current_)) {
+            if (idle && first_ < lists_.size()) {
                 turn(judge);
                 continue;
             }
@@ -184,15 +184,7 @@ private:
     void turn(const Judge& judge) {
         next_.clear();
         next_.swap(lists_[first_]);
-        const std::uint32_t in = base_ + static_cast<std::uint32_t>(first_);
-        if (!heap_.empty() || !group_.empty()) {
-            std::vector<waiting>& back = list(current_);
-            for (const ticket& t : heap_) back.push_back(waiting_for(now_[t.place]));
-            for (const member& m : group_) back.push_back(waiting_for(m.e));
-            group_.clear();
-        }
-        current_ = in;
-        heap_.clear();
+        current_ = base_ + static_cast<std::uint32_t>(first_);
         now_.clear();
         for (std::size_t i = 0; i < next_.size(); ++i) {
             if (i + 8 < next_.size()) fetch(next_[i + 8].at);
@@ -202,16 +194,20 @@ private:
             entry e = entry_of(w.at, 0);
             if (hash(e.v) != w.hash) continue;
             e.squared = judge(w.at);
-            if (bucket(e.squared) != in) continue;
-            heap_.push_back(ticket_of(e));
+            if (!(e.squared >= 0)) continue;
             ++count_;
+            // Beside a bucket's border rounding may have it that the edge is longer than it was when the cell was queued.
+            if (bucket(e.squared) > current_)
+                list(bucket(e.squared)).push_back(w);
+            else
+                heap_.push_back(ticket_of(e));
         }
         std::make_heap(heap_.begin(), heap_.end());
     }
 
     const Dt& dt_;
     const numbers<vertex>& numbers_;
-    std::vector<ticket> heap_;
+    std::vector<ticket> heap_;  // the current bucket's, and any shorter that have come since
     std::vector<member> group_;  // a heap too: all of one length, no longer than the others'
     std::vector<waiting> next_;
     std::vector<entry> now_;  // those of the heap, and others gone
