@@ -25,23 +25,29 @@ struct Entry {
     shortest: u64,
     /// Its vertices when it was found bad, in order and two in a word each: those around one edge are compared very often.
     vertices: [u64; 2],
+    /// How they were stored: the rank of each, two bits, the first one's foremost. What comes back otherwise is another tetrahedron, queued by itself.
+    order: u8,
     /// Where it was stored then.
     t: u32,
 }
 
 impl Entry {
     fn new(t: &Triangulation, tet: u32, shortest: f64) -> Entry {
-        Entry { shortest: shortest.to_bits(), vertices: Entry::vertices(t, tet), t: tet }
+        let (vertices, order) = Entry::vertices(t, tet);
+        Entry { shortest: shortest.to_bits(), vertices, order, t: tet }
     }
 
-    fn vertices(t: &Triangulation, tet: u32) -> [u64; 2] {
-        let mut v = t.topology.tet(tet).v;
-        v.sort_unstable();
-        [[v[0], v[1]], [v[2], v[3]]].map(|[a, b]| u64::from(a) << 32 | u64::from(b))
+    fn vertices(t: &Triangulation, tet: u32) -> ([u64; 2], u8) {
+        let v = t.topology.tet(tet).v;
+        let order = v.iter().fold(0, |order, x| order << 2 | v.iter().filter(|&y| y < x).count() as u8);
+        let mut sorted = v;
+        sorted.sort_unstable();
+        let [a, b, c, d] = sorted.map(u64::from);
+        ([a << 32 | b, c << 32 | d], order)
     }
 
     fn is_live(&self, t: &Triangulation) -> bool {
-        Entry::vertices(t, self.t) == self.vertices
+        Entry::vertices(t, self.t) == (self.vertices, self.order)
     }
 }
 
