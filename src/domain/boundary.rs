@@ -237,6 +237,16 @@ impl Boundary {
         self.subfacets.possible_faces(v)
     }
 
+    /// The facet of a face of a tetrahedron, opposite a slot, of which these are the [possible walls](Self::possible_walls).
+    #[inline(always)]
+    pub(crate) fn wall_among(&self, walls: u32, slot: usize, face: [u32; 3]) -> Option<u32> {
+        if walls >> slot & 1 != 0 {
+            self.wall(face)
+        } else {
+            None
+        }
+    }
+
     /// Whether two of these vertices are on the boundary, so that a subsegment or a subfacet may join them. Far from the boundary few tetrahedra have such.
     #[inline]
     pub(crate) fn may_have_edge(&self, v: impl IntoIterator<Item = u32>) -> bool {

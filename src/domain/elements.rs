@@ -27,8 +27,24 @@ pub(crate) type Subfacets = Elements<3>;
 
 /// The bit of a vertex.
 #[inline]
-pub(super) fn bit(v: u32) -> u64 {
+fn bit(v: u32) -> u64 {
     1 << (v.wrapping_mul(0x9e37_79b1) >> 26)
+}
+
+/// The bits of the vertices of some faces: tells of most other vertices that they are none of them.
+#[derive(Clone, Copy)]
+pub(super) struct Corners(u64);
+
+impl Corners {
+    pub fn of(faces: &[[u32; 3]]) -> Corners {
+        Corners(faces.iter().flatten().fold(0, |bits, &v| bits | bit(v)))
+    }
+
+    /// Whether a vertex may be one of them.
+    #[inline]
+    pub fn may_have(self, v: u32) -> bool {
+        self.0 & bit(v) != 0
+    }
 }
 
 impl<const N: usize> Default for Elements<N> {
@@ -91,10 +107,9 @@ impl<const N: usize> Elements<N> {
     /// A bit for each of [`EDGES`] between these vertices; clear where no element has both ends.
     #[inline(always)]
     pub fn possible_edges(&self, vertices: [u32; 4]) -> u32 {
-        let (partners, bits) = (vertices.map(|v| self.partners(v)), vertices.map(bit));
-        let may_have =
-            |[i, j]: [usize; 2]| u32::from(partners[i] & bits[j] != 0) & u32::from(partners[j] & bits[i] != 0);
-        EDGES.iter().enumerate().fold(0, |edges, (n, &edge)| edges | may_have(edge) << n)
+        let partners = vertices.map(|v| self.partners(v));
+        let may_have = |[i, j]: [usize; 2]| Self::may_hold(vertices[i], partners[i], vertices[j], partners[j]);
+        EDGES.iter().enumerate().fold(0, |edges, (n, &edge)| edges | u32::from(may_have(edge)) << n)
     }
 
     /// Whether an element may have both of two vertices with these [`partners`](Self::partners).

@@ -186,8 +186,8 @@ impl Boundary {
                 turns.check()?;
                 let corners = cavity.face(&t.topology, face);
                 let [a, b, c] = corners;
-                // Of three vertices, the last one twice.
-                for [i, j] in places(self.subsegments.possible_edges([a, b, c, c]) & 0b00_1011).map(|n| EDGES[n]) {
+                // No element has the ghost.
+                for [i, j] in places(self.subsegments.possible_edges([a, b, c, GHOST])).map(|n| EDGES[n]) {
                     if let Ok(place) = found.inner.binary_search(&edge_key([corners[i], corners[j]])) {
                         found.stay[place] = true;
                     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, face_keys, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
-use super::elements::bit;
+use super::elements::Corners;
 use super::facet::{FacetChange, InSpace};
 use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
@@ -236,16 +236,14 @@ impl Triangulation {
             return;
         }
         // Few faces of the star have vertices of them only.
-        let corners = removed.iter().flatten().fold(0, |corners, &v| corners | bit(v));
+        let corners = Corners::of(removed);
         let removed = face_keys(removed);
         for &t in star {
             let tet = *self.topology.tet(t);
             let Some(slot) = tet.slot(new) else { continue };
             let face = tet.face(slot);
-            if face.into_iter().any(|v| corners & bit(v) == 0) {
-                continue;
-            }
-            if !face.contains(&GHOST) && removed.binary_search(&face_key(face)).is_ok() {
+            let may_be = face.into_iter().all(|v| v != GHOST && corners.may_have(v));
+            if may_be && removed.binary_search(&face_key(face)).is_ok() {
                 self.topology.region[t as usize] = self.topology.region[tet_of(tet.n[slot]) as usize];
             }
         }

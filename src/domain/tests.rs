@@ -3,20 +3,8 @@
 use super::Carrier;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::refine::{Rule, Sparsify, Unrefined};
-use crate::{Control, DVec3, Mesh, Plc, PlcFacet, PlcRegion, PlcSegment, RefineOptions, RefineReport};
-
-fn facet(polygon: impl IntoIterator<Item = u32>, marker: i32) -> PlcFacet {
-    PlcFacet { polygons: vec![polygon.into_iter().collect()], marker, ..PlcFacet::default() }
-}
-
-/// The prism over a polygon in the plane z = 0, its corners in order.
-fn prism(outline: &[[f64; 2]], height: f64) -> Plc {
-    let n = outline.len() as u32;
-    let at = |z: f64| outline.iter().map(move |&[x, y]| DVec3::new(x, y, z));
-    let mut facets = vec![facet(0..n, 1), facet(n..2 * n, 2)];
-    facets.extend((0..n).map(|i| facet([i, (i + 1) % n, n + (i + 1) % n, n + i], 3 + i as i32)));
-    Plc { points: at(0.0).chain(at(height)).collect(), facets, ..Plc::default() }
-}
+use crate::samples::{facet, prism, thin_plate};
+use crate::{Control, DVec3, Mesh, Plc, PlcRegion, PlcSegment, RefineOptions, RefineReport};
 
 fn add(plc: &mut Plc, points: &[[f64; 3]]) -> u32 {
     let first = plc.points.len() as u32;
@@ -453,14 +441,9 @@ fn strips_around_a_cylinder_are_cut_together() {
     assert!((volume / expected - 1.0).abs() < 1e-5, "{volume}, not {expected}");
 }
 
-/// A plate so thin that every vertex encroaches upon what is beside it, with few of its tetrahedra bad.
 #[test]
 fn what_is_encroached_is_split_only_for_samples() {
-    let outline = |n: u32| -> Vec<[f64; 2]> {
-        let at = |k: u32| (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
-        (0..n).map(|k| [40.0 * at(k).1, 40.0 * at(k).0]).collect()
-    };
-    let plate = prism(&outline(24), 6.0);
+    let plate = thin_plate();
     let steiner = |sparsify: Sparsify| {
         let mut mesh = Mesh::from_plc(&plate, &Control::new()).unwrap();
         let options = RefineOptions { sparsify: Some(sparsify), ..RefineOptions::default() };

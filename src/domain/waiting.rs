@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary};
-use super::elements::bit;
+use super::elements::Corners;
 use super::encroached::Encroached;
 use super::pending::Demand;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
@@ -298,13 +298,13 @@ impl Boundary {
         let mut found: Vec<_> = facets.iter().map(|&face| (across(face), face, State::Missing)).collect();
         found.sort_unstable_by_key(|&(side, ..)| side);
         // Few sides of the star are such: most miss a vertex of them.
-        let corners = facets.iter().flatten().fold(0, |corners, &v| corners | bit(v));
+        let corners = Corners::of(facets);
         for &tet in if found.is_empty() { &[] } else { star } {
             let v = t.topology.tet(tet).v;
             let at = v.iter().position(|&v| v == new).unwrap_or(0);
             let [a, b, c] = [v[at ^ 1], v[at ^ 2], v[at ^ 3]];
             for ([p, q], apex) in [([a, b], c), ([b, c], a), ([c, a], b)] {
-                if corners & bit(p) == 0 || corners & bit(q) == 0 {
+                if !corners.may_have(p) || !corners.may_have(q) {
                     continue;
                 }
                 let side = side(p, q);

@@ -349,7 +349,7 @@ impl Refiner<'_> {
                 for slot in 0..4 {
                     let across = tet_of(tet.n[slot]);
                     if labels.contains_key(&across) && changed.contains(&across)
-                        || walls >> slot & 1 != 0 && self.boundary.is_subfacet(tet.face(slot))
+                        || self.boundary.wall_among(walls, slot, tet.face(slot)).is_some()
                     {
                         continue;
                     }

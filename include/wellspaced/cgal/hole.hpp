@@ -122,16 +122,13 @@ public:
             const std::array<place, 3>& c = labels_[n];
             for (place k : c) corners_[k].v->set_cell(made);
             if (is_large) continue;
-            // c[k] is in slot (slot + 1 + k) & 3; the neighbour across it shares the other two.
             for (int k = 0; k < 3; ++k) {
-                std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
-                if (b < a) std::swap(a, b);
-                std::uint32_t& open = open_[a * width + b];
-                const std::uint32_t here = static_cast<std::uint32_t>(4 * n) + static_cast<std::uint32_t>((slot + 1 + k) & 3);
+                const side s = side_of(n, k);
+                std::uint32_t& open = open_[s.a * width + s.b];
                 if (open == none) {
-                    open = here;
+                    open = s.here;
                 } else {
-                    meet(here, open);
+                    meet(s.here, open);
                     open = none;
                 }
             }
@@ -169,15 +166,27 @@ private:
     // Of more vertices a table would take more than four megabytes.
     static constexpr std::size_t most_in_table = 1024;
 
-    // The sides of the outline's faces by their vertices: in order, each is there from both sides.
+    // A side of a face of the outline: its vertices, the lower place first, and four times the face's place and the slot of the star's cell that it is
+    // across from.
+    struct side {
+        place a, b;
+        std::uint32_t here;
+    };
+    // Corner k of a face is in slot (slot + 1 + k) & 3 of the star's cell; the neighbour across it shares the other two.
+    side side_of(std::size_t n, int k) const {
+        const std::array<place, 3>& c = labels_[n];
+        const place a = c[(k + 1) % 3], b = c[(k + 2) % 3];
+        const std::uint32_t slot = static_cast<std::uint32_t>((outline_[n].second + 1 + k) & 3);
+        return {(std::min)(a, b), (std::max)(a, b), static_cast<std::uint32_t>(4 * n) + slot};
+    }
+    // All of them by their vertices: in order, each is there from both sides.
     void sort_sides() {
         sides_.clear();
         sides_.reserve(3 * labels_.size());
         for (std::size_t n = 0; n < labels_.size(); ++n)
             for (int k = 0; k < 3; ++k) {
-                const std::uint64_t a = labels_[n][(k + 1) % 3], b = labels_[n][(k + 2) % 3];
-                const std::size_t here = 4 * n + static_cast<std::size_t>((outline_[n].second + 1 + k) & 3);
-                sides_.emplace_back((std::min)(a, b) << 32 | (std::max)(a, b), static_cast<std::uint32_t>(here));
+                const side s = side_of(n, k);
+                sides_.emplace_back(std::uint64_t(s.a) << 32 | s.b, s.here);
             }
         std::sort(sides_.begin(), sides_.end());
     }
@@ -305,6 +314,7 @@ private:
         cells_.push_back(c);
         cell_corners_.push_back(places);
     }
+
     void look_at(vertex v, corner& c) const {
         c.v = v;
         if (v == infinite_) {

@@ -45,7 +45,7 @@ public:
         const entry e = entry_of(c, squared);
         const std::uint32_t in = bucket(squared);
         if (in > current_)
-            list(in).push_back(waiting_for(e));
+            list(in).push_back({e.at, hash(e.v)});
         else if (!group_.empty() && squared == group_.front().e.squared)
             join(e);
         else
@@ -102,7 +102,6 @@ private:
     static entry entry_of(cell c, double squared) {
         return {squared, c, {c->vertex(0), c->vertex(1), c->vertex(2), c->vertex(3)}};
     }
-    static waiting waiting_for(const entry& e) { return {e.at, hash(e.v)}; }
     // What tells most cells from those that come to their memory.
     static std::uint32_t hash(const std::array<vertex, 4>& v) {
         std::uint64_t h = 0;

@@ -1,29 +1,13 @@
 //! Where a boundary was refined lazily, and something else goes on: another rule, one batch at a time, or without splits.
 
 use super::*;
+use crate::samples::thin_plate;
 
-/// A plate so thin that nearly all of its boundary is encroached, with two points near to each other inside.
-fn plate() -> Plc {
-    let count = 24;
-    let mut plc = Plc::default();
-    for z in [0.0, 6.0] {
-        for k in 0..count {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(count)).sin_cos();
-            plc.points.push(DVec3::new(40.0 * cos, 40.0 * sin, z));
-        }
-    }
-    let facet = |polygon: Vec<u32>| PlcFacet { polygons: vec![polygon], ..PlcFacet::default() };
-    plc.facets.extend([facet((0..count).collect()), facet((count..2 * count).collect())]);
-    plc.facets.extend((0..count).map(|k| {
-        let next = (k + 1) % count;
-        facet(vec![k, next, count + next, count + k])
-    }));
-    plc.points.extend([DVec3::new(3.0, 1.0, 2.9), DVec3::new(3.3, 1.0, 2.8)]);
-    plc
-}
-
+/// A plate of which nearly all of the boundary is encroached, with two points near to each other inside; and its volume.
 fn meshed() -> (Mesh, f64) {
-    let mesh = Mesh::from_plc(&plate(), &Control::new()).unwrap();
+    let mut plate = thin_plate();
+    plate.points.extend([DVec3::new(3.0, 1.0, 2.9), DVec3::new(3.3, 1.0, 2.8)]);
+    let mesh = Mesh::from_plc(&plate, &Control::new()).unwrap();
     let volume = volume(&mesh);
     (mesh, volume)
 }

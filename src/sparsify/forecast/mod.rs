@@ -253,7 +253,7 @@ impl Forecast {
         for (slot, &behind) in tet.n.iter().enumerate() {
             let beyond = tet_of(behind);
             let face = FACE[slot].map(|k| tet.v[k]);
-            let facet = if walls >> slot & 1 != 0 { boundary.wall(face) } else { None };
+            let facet = boundary.wall_among(walls, slot, face);
             if self.marks[beyond as usize] != 0 && facet.is_none() {
                 continue;
             }

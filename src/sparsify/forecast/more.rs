@@ -91,7 +91,7 @@ impl Forecast {
             let v = tet.v.map(|v| self.number_of(t, v));
             let mut n = [0; 4];
             for (slot, &behind) in tet.n.iter().enumerate() {
-                let facet = if walls >> slot & 1 != 0 { boundary.wall(FACE[slot].map(|k| tet.v[k])) } else { None };
+                let facet = boundary.wall_among(walls, slot, FACE[slot].map(|k| tet.v[k]));
                 let beyond = tet_of(behind);
                 n[slot] = if cavity.contains(beyond) {
                     if facet.is_some() {
