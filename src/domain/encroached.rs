@@ -29,8 +29,8 @@ pub struct Encroached {
     pub lost_segments: Vec<[u32; 2]>,
     /// Subfacets of which the same is true.
     pub lost_facets: Vec<[u32; 3]>,
-    /// Whether any vertex around the cavity is on the boundary.
-    pub(crate) is_near: bool,
+    /// The vertices around the cavity that are on the boundary.
+    pub(crate) near: Vec<u32>,
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
@@ -90,7 +90,7 @@ impl Encroached {
     }
 
     pub(crate) fn clear(&mut self) {
-        self.is_near = false;
+        self.near.clear();
         self.segments.clear();
         self.facets.clear();
         self.lost_segments.clear();
@@ -134,12 +134,16 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
-        let mut on_boundary = cavity.rim(&t.topology).filter(|&v| self.kind(v) != 0);
-        found.is_near = on_boundary.next().is_some();
-        if on_boundary.next().is_none() {
+        let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
+        for v in cavity.rim(&t.topology) {
+            turns.check()?;
+            if self.kind(v) != 0 {
+                found.near.push(v);
+            }
+        }
+        if found.near.len() < 2 {
             return Ok(());
         }
-        let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
         found.inner.clear();
         let mut recent = Recent::default();
         for &tet in &cavity.tets {

@@ -18,6 +18,8 @@ pub trait Lanes: Copy {
     fn sub(self, other: Self) -> Self;
     /// The product.
     fn mul(self, other: Self) -> Self;
+    /// The quotient.
+    fn div(self, other: Self) -> Self;
     /// `self · a + b`, rounded once or twice.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// `self · a − b`, rounded once or twice.
@@ -92,6 +94,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.with(other, |x, y| x * y)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.with(other, |x, y| x / y)
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -215,6 +221,11 @@ mod x86 {
             Avx2(unsafe { _mm256_mul_pd(self.0, other.0) })
         }
         #[inline(always)]
+        fn div(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Avx2(unsafe { _mm256_div_pd(self.0, other.0) })
+        }
+        #[inline(always)]
         fn mul_add(self, a: Self, b: Self) -> Self {
             // SAFETY: see above.
             Avx2(unsafe { _mm256_fmadd_pd(self.0, a.0, b.0) })
@@ -302,6 +313,7 @@ mod tests {
             x.add(y),
             x.sub(y),
             x.mul(y),
+            x.mul(y).div(y),
             x.mul_add(y, z),
             x.mul_sub(y, z),
             x.sub(y).abs(),
@@ -336,13 +348,14 @@ mod tests {
     fn the_portable_lanes_do_as_they_say() {
         let (bits, compressed) = everything::<Portable>();
         // Lane i of the values in order of `everything`.
-        let expected: [[i32; 4]; 15] = [
+        let expected: [[i32; 4]; 16] = [
             [0, 1, 2, 3],
             [10, 7, 4, 1],
             [0, 1, 4, 9],
             [10, 8, 6, 4],
             [-10, -6, -2, 2],
             [0, 7, 8, 3],
+            [0, 1, 2, 3],
             [0, 8, 12, 12],
             [0, 6, 4, -6],
             [10, 6, 2, 2],
@@ -359,7 +372,7 @@ mod tests {
                 assert_eq!(mask, greater, "{value:?} > {i}.5");
             }
         }
-        assert_eq!(bits[15 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
+        assert_eq!(bits[16 * 62..], [0, 0b10, 0b1010, 0b1011, 0b1011, 0b100, 0, 0b0111]);
         assert_eq!(compressed[0b1010], [5, 7, 0, 0]);
         assert_eq!(compressed[0b1111], [4, 5, 6, 7]);
         assert_eq!(compressed[0], [0; 4]);

@@ -1,10 +1,10 @@
 //! The queue of bad tetrahedra, the one with the shortest shortest edge first.
 //!
 //! Most die long before their turn. So they wait in buckets of about equal length (3 % wide), unsorted, as little more than their places: what
-//! they cost was mostly the memory that their lists went through. Only the bucket whose turn it is becomes a heap. By then 19 of 20 have gone, which their
-//! [hashes](Waiting::of) tell; the rest is looked at anew. It belongs into the heap if it is bad and of that length, even if it is not what was
-//! queued but has come to the same place: then it has been queued there itself. So the order is that of one large heap, which
-//! took two fifths of the time of a refinement.
+//! they cost was mostly the memory that their lists went through. Only the bucket whose turn it is is sorted. By then 19 of 20 have gone, which their
+//! [hashes](Waiting::of) tell; the rest is looked at anew. It belongs there if it is bad and of that length, even if it is not what was
+//! queued but has come to the same place: then it has been queued there itself. What comes meanwhile and is no longer than that goes into a
+//! heap, which stays small. So the order is that of one large heap, which took two fifths of the time of a refinement.
 //!
 //! Among equals vertex ids decide, in order and not as they are stored, so that any triangulation whose vertices are numbered alike is
 //! refined alike: `wellspaced/cgal.hpp` does the same.
@@ -15,6 +15,7 @@ use std::collections::BinaryHeap;
 use crate::geometry::quality::EDGES;
 use crate::leavings::{Each, Leavings};
 use crate::sorting::sort;
+use crate::triangulation::topology::tet_of;
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, Error};
 
@@ -59,10 +60,13 @@ fn bucket(shortest: u64) -> u32 {
 /// A priority queue of tetrahedra.
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
-    /// The entries of bucket `current`.
-    heap: BinaryHeap<Reverse<Entry>>,
+    /// The entries that were in bucket `current` when its turn came, in order, and how many of them have gone.
+    near: Vec<Entry>,
+    gone: usize,
     current: u32,
-    /// The entries of all others.
+    /// What has come since and belongs into that bucket or an earlier one.
+    late: BinaryHeap<Reverse<Entry>>,
+    /// The entries of later buckets.
     waiting: Buckets,
     count: usize,
     /// Scratch: the places of a bucket where what waits may still be, and what is there.
@@ -75,10 +79,10 @@ impl Leavings for Queue {
         let mut rest = Each(std::mem::take(&mut self.waiting.lists));
         let more = rest.give_back();
         self.waiting.lists = rest.0;
-        more || {
-            let mut heap = std::mem::take(&mut self.heap).into_vec();
-            let more = heap.give_back();
-            self.heap = heap.into();
+        more || self.near.give_back() || {
+            let mut late = std::mem::take(&mut self.late).into_vec();
+            let more = late.give_back();
+            self.late = late.into();
             more
         }
     }
@@ -194,11 +198,11 @@ impl Buckets {
 
 /// Places that are judged between two looks at the control.
 const PART: usize = 1 << 12;
-/// Entries of which a heap takes milliseconds to make.
-const MANY: usize = 1 << 15;
 
+/// Entries that are made ready while one is mended.
+const NEXT: usize = 4;
 /// How much earlier than it is looked at a place is fetched.
-const AHEAD: usize = 16;
+const AHEAD: usize = 32;
 
 /// The slots of a tetrahedron's shortest edge and its squared length. Among equals the one of the lowest vertices.
 pub fn shortest_edge(t: &Triangulation, tet: u32) -> ([usize; 2], f64) {
@@ -220,24 +224,24 @@ impl Queue {
     pub fn push(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
         self.count += 1;
         let bucket = bucket(shortest.to_bits());
-        if bucket != self.current {
+        if bucket > self.current {
             return self.waiting.push(bucket, Waiting::new(t, tet));
         }
-        self.push_current(t, tet, shortest)
+        self.push_late(t, tet, shortest)
     }
 
     #[inline(never)]
-    fn push_current(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
-        if self.heap.len() == self.heap.capacity() {
-            self.heap.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;
+    fn push_late(&mut self, t: &Triangulation, tet: u32, shortest: f64) -> Result<(), Error> {
+        if self.late.len() == self.late.capacity() {
+            self.late.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;
         }
-        self.heap.push(Reverse(Entry::new(t, tet, shortest)));
+        self.late.push(Reverse(Entry::new(t, tet, shortest)));
         Ok(())
     }
 
     /// The bytes that it has taken, about.
     pub fn bytes(&self) -> usize {
-        self.heap.capacity() * size_of::<Entry>() + self.waiting.bytes
+        (self.near.capacity() + self.late.capacity()) * size_of::<Entry>() + self.waiting.bytes
     }
 
     /// The next tetrahedron; [`Error::Cancelled`], and nothing is lost, when the control says stop. `judge` is asked about places, whatever is there now: it leaves
@@ -251,22 +255,35 @@ impl Queue {
         let turns = control.turns();
         loop {
             turns.check()?;
-            if let Some(first) = self.waiting.first_filled() {
-                if self.heap.is_empty() || first < self.current {
-                    self.turn_to(first, t, control, &mut judge)?;
-                    // All of it may have been dead.
-                    continue;
-                }
-            }
-            let Some(Reverse(entry)) = self.heap.pop() else { return Ok(None) };
+            let near = self.near.get(self.gone);
+            let entry = match self.late.peek() {
+                Some(Reverse(late)) if near.is_none_or(|near| late < near) => self.late.pop().map(|Reverse(late)| late),
+                _ => near.copied().inspect(|_| self.gone += 1),
+            };
+            let Some(entry) = entry else {
+                let Some(first) = self.waiting.first_filled() else { return Ok(None) };
+                self.turn_to(first, t, control, &mut judge)?;
+                continue;
+            };
             self.count -= 1;
             if entry.is_live(t) {
+                self.fetch_next(t);
                 return Ok(Some(entry.t));
             }
         }
     }
 
-    /// Makes a waiting bucket the current one.
+    /// Asks for what will be looked at first when the next ones come, while there is time.
+    fn fetch_next(&self, t: &Triangulation) {
+        if let Some(later) = self.near.get(self.gone + NEXT) {
+            t.topology.prefetch(later.t);
+        }
+        for next in self.near[self.gone..].iter().take(NEXT / 2) {
+            t.topology.tet(next.t).n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
+        }
+    }
+
+    /// Makes a waiting bucket the current one, of which nothing is left.
     fn turn_to(
         &mut self,
         first: u32,
@@ -274,29 +291,12 @@ impl Queue {
         control: &Control,
         judge: &mut impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<(), Error> {
-        // Where very many shortest edges are alike, as in grids, all is in one bucket.
-        let turns = control.turns();
-        // A place whose tetrahedron has gone may have another one by now, which is not to come again.
-        let mut before = std::mem::take(&mut self.heap).into_vec();
-        while let Some(Reverse(entry)) = before.pop() {
-            if !entry.is_live(t) {
-                self.count -= 1;
-                continue;
-            }
-            let kept = turns.check().and_then(|()| self.waiting.push(self.current, Waiting::new(t, entry.t)));
-            if kept.is_err() {
-                before.push(Reverse(entry));
-                self.heap = before.into();
-                return kept;
-            }
-        }
-        self.current = first;
         let waiting = self.waiting.take(first);
         let judged = self.judge_waiting(&waiting, t, control, judge);
         match judged.and_then(|()| self.entries_of(first, t, control)) {
             Ok(entries) => {
                 self.count = self.count - waiting.len() + entries.len();
-                self.heap = entries.into();
+                (self.near, self.gone, self.current) = (entries, 0, first);
                 Ok(())
             }
             Err(error) => {
@@ -306,8 +306,8 @@ impl Queue {
         }
     }
 
-    /// Entries for those judged that are in this bucket; very many in order, so that making a heap of them takes no time.
-    fn entries_of(&self, first: u32, t: &Triangulation, control: &Control) -> Result<Vec<Reverse<Entry>>, Error> {
+    /// Entries for those judged that are in this bucket, in order.
+    fn entries_of(&self, first: u32, t: &Triangulation, control: &Control) -> Result<Vec<Entry>, Error> {
         let mut entries = memory::room_in_pieces(self.judged.len(), "queue", control)?;
         let turns = control.turns();
         for &(tet, shortest) in &self.judged {
@@ -316,10 +316,8 @@ impl Queue {
                 entries.push(Entry::new(t, tet, shortest));
             }
         }
-        if entries.len() > MANY {
-            sort(&mut entries, &control.watch())?;
-        }
-        Ok(entries.keep().into_iter().map(Reverse).collect())
+        sort(&mut entries, &control.watch())?;
+        Ok(entries.keep())
     }
 
     /// Finds those in a list that are still to be mended.

@@ -28,7 +28,7 @@ use crate::geometry::quality::{exceeds_radius_edge, four_exceed_radius_edge, in_
 use crate::parted::PartedMap;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, sample_first, Rule, Samples};
-use crate::sparsify::Sparsifier;
+use crate::sparsify::{Sample, Sparsifier};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
 use crate::triangulation::topology::{EVEN_REST, GHOST};
@@ -65,6 +65,8 @@ pub struct Refiner<'a> {
     pub(super) mended: [u32; 2],
     created: Vec<u32>,
     pub(super) cavity: Cavity,
+    /// The vertices around it and their squared distances from its point, but for those of a very large one.
+    pub(super) rim: Vec<(u32, f64)>,
     /// The call's, while it runs.
     pub(super) control: Control,
     pub(super) encroached: Encroached,
@@ -103,8 +105,8 @@ pub struct Refiner<'a> {
     pub facet_splits: usize,
 }
 
-/// So many tetrahedra at a new vertex are looked through for partners.
-const MANY: usize = 1024;
+/// So many vertices around a point are looked through for partners: of a larger star nothing could be made.
+pub(super) const MANY: usize = 1024;
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
 
@@ -124,6 +126,7 @@ impl<'a> Refiner<'a> {
             mended: [GHOST; 2],
             created: Vec::new(),
             cavity: Cavity::default(),
+            rim: Vec::new(),
             control: Control::never().clone(),
             encroached: Encroached::default(),
             queue: Queue::default(),
@@ -362,7 +365,7 @@ impl<'a> Refiner<'a> {
                 Placed::Inserted(v) => {
                     self.samples += 1;
                     placed_any = true;
-                    if self.encroached.is_near && self.has_partner_on_boundary(v) {
+                    if self.has_partner_on_boundary(v) {
                         self.merge(v, None)?;
                     }
                 }
@@ -391,8 +394,8 @@ impl<'a> Refiner<'a> {
     fn spare(&mut self, p: DVec3, clearance: f64) -> Result<bool, Error> {
         let Some(sparsifier) = &mut self.sparsifier else { return Ok(false) };
         self.created.clear();
-        let sample = (p, &self.cavity);
-        if !sparsifier.instead_of(self.t, self.boundary, sample, clearance, self.edge, &mut self.created)? {
+        let sample = Sample { p, cavity: &self.cavity, rim: &self.rim, clearance };
+        if !sparsifier.instead_of(self.t, self.boundary, sample, self.edge, &mut self.created)? {
             return Ok(false);
         }
         self.cavity.clear();
@@ -403,9 +406,7 @@ impl<'a> Refiner<'a> {
     /// Whether there are partners on the boundary for the vertex that the last insertion has brought.
     fn has_partner_on_boundary(&self, v: u32) -> bool {
         let (Some(sparsifier), boundary) = (&self.sparsifier, &*self.boundary) else { return false };
-        // Of a larger star nothing could be made.
-        let mut near = self.cavity.created.iter().take(MANY).flat_map(|&tet| self.t.topology.tet(tet).v);
-        near.any(|w| boundary.kind(w) != 0 && sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
+        self.encroached.near.iter().any(|&w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
     }
 
     /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::refiner::Refiner;
+use super::refiner::{Refiner, MANY};
 use super::restore::Element;
 use crate::domain::boundary::{edge_key, face_keys, Boundary};
 use crate::domain::facet::FacetChange;
@@ -268,14 +268,20 @@ impl Refiner<'_> {
         Split::Blocked
     }
 
-    /// The distance from the cavity's point to the nearest vertex.
-    pub(super) fn rim_distance(&self, p: DVec3) -> Result<f64, Error> {
-        let turns = self.control.turns();
-        let least = self.cavity.rim(&self.t.topology).try_fold(f64::INFINITY, |least, v| {
+    /// The distance from the cavity's point to the nearest vertex. Fills `rim`.
+    pub(super) fn rim_distance(&mut self, p: DVec3) -> Result<f64, Error> {
+        let Refiner { t, cavity, rim, control, .. } = self;
+        let turns = control.turns();
+        let mut least = f64::INFINITY;
+        rim.clear();
+        for v in cavity.rim(&t.topology) {
             turns.check()?;
-            let squared = self.t.at(v).distance_squared(p);
-            Ok(if squared < least { squared } else { least })
-        });
-        least.map(f64::sqrt)
+            let squared = t.at(v).distance_squared(p);
+            least = if squared < least { squared } else { least };
+            if rim.len() < MANY {
+                rim.push((v, squared));
+            }
+        }
+        Ok(least.sqrt())
     }
 }

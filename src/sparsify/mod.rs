@@ -166,6 +166,17 @@ const LEAD: f64 = 1.01;
 /// While refining at most this many changes are made for each vertex that there ever was at a time. One or two is usual.
 const CHANGES: usize = 8;
 
+/// A point that is to be inserted, and what is around it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<'a> {
+    pub p: DVec3,
+    pub cavity: &'a Cavity,
+    /// The vertices around the cavity and their squared distances; some may be missing where there are very many.
+    pub rim: &'a [(u32, f64)],
+    /// The distance from the nearest of them.
+    pub clearance: f64,
+}
+
 /// The pass and its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Sparsifier {
@@ -224,23 +235,22 @@ impl Sparsifier {
         Demand { bound2: self.radius_edge * self.radius_edge, level2: level * level }
     }
 
-    /// Tries to do without the sample `p`, whose cavity that is and which is `clearance` away from all vertices, while an edge of length `edge` is being
-    /// mended: instead of it a vertex is moved. Returns whether it did, and adds what is new then to `created`.
+    /// Tries to do without a sample while an edge of length `edge` is being mended: instead of it a vertex is moved. Returns whether it did, and adds
+    /// what is new then to `created`.
     pub fn instead_of(
         &mut self,
         t: &mut Triangulation,
         boundary: &mut Boundary,
-        (p, cavity): (DVec3, &Cavity),
-        clearance: f64,
+        sample: Sample<'_>,
         edge: f64,
         created: &mut Vec<u32>,
     ) -> Result<bool, Error> {
         let budget = CHANGES * t.vertex_slots();
-        if clearance <= LEAD * edge || self.removed + self.replaced >= budget {
+        if sample.clearance <= LEAD * edge || self.removed + self.replaced >= budget {
             return Ok(false);
         }
         let demand = self.demand(LEAD * edge);
-        let Some(found) = self.search_instead(t, boundary, (p, cavity), demand) else { return Ok(false) };
+        let Some(found) = self.search_instead(t, boundary, sample, demand) else { return Ok(false) };
         if !self.make(t, boundary, &found, demand)? {
             return Ok(false);
         }

@@ -15,10 +15,9 @@
 //! that segment or facet.
 
 use super::forecast::{Forecast, Space};
-use super::{Demand, Effort, Sparsifier};
+use super::{Demand, Effort, Sample, Sparsifier};
 use crate::domain::{Boundary, Carrier, Unsplit};
 use crate::geometry::flush_tiny;
-use crate::triangulation::cavity::Cavity;
 use crate::triangulation::Triangulation;
 use crate::DVec3;
 
@@ -100,7 +99,7 @@ impl Sparsifier {
         for i in 0..self.alone.going().len() {
             for w in t.topology.tet(self.alone.going()[i]).v {
                 if w != v {
-                    self.consider(t, boundary, w, t.at(v), limit, partners);
+                    self.consider(t, boundary, (w, t.at(w).distance_squared(t.at(v))), limit, partners);
                 }
             }
         }
@@ -119,12 +118,12 @@ impl Sparsifier {
         self.find_partner(t, boundary, Subject::Vertex(v), demand)
     }
 
-    /// Looks for a vertex that can be moved so that it does what the sample `p`, whose cavity that is, would do.
+    /// Looks for a vertex that can be moved so that it does what the sample would do.
     pub(super) fn search_instead(
         &mut self,
         t: &Triangulation,
         boundary: &Boundary,
-        (p, cavity): (DVec3, &Cavity),
+        Sample { p, cavity, rim, .. }: Sample<'_>,
         demand: Demand,
     ) -> Option<Found> {
         if Forecast::is_too_large(cavity) {
@@ -132,8 +131,8 @@ impl Sparsifier {
         }
         let limit = self.reach(demand);
         self.near.clear();
-        for w in cavity.rim(&t.topology) {
-            self.consider(t, boundary, w, p, limit, Partners::Free);
+        for &near in rim {
+            self.consider(t, boundary, near, limit, Partners::Free);
         }
         if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.effort.alone) {
             return None;
@@ -146,14 +145,21 @@ impl Sparsifier {
         self.effort.reach * self.radius_edge * demand.level2.sqrt()
     }
 
-    /// Puts `w` among the neighbours of `p` that are worth a try if it is, once.
-    fn consider(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, p: DVec3, limit: f64, partners: Partners) {
-        if !self.may_go(t, boundary, w) || !partners.contain(boundary.kind(w) == 0) {
-            return;
-        }
-        let distance = t.at(w).distance(p);
-        if distance <= limit && !self.near.iter().any(|n| n.v == w) {
-            self.near.push(Candidate { v: w, distance, spacing: 0.0 });
+    /// Puts a vertex at this squared distance among the neighbours that are worth a try if it is, once.
+    fn consider(
+        &mut self,
+        t: &Triangulation,
+        boundary: &Boundary,
+        (w, distance2): (u32, f64),
+        limit: f64,
+        partners: Partners,
+    ) {
+        if distance2 <= limit * limit
+            && self.may_go(t, boundary, w)
+            && partners.contain(boundary.kind(w) == 0)
+            && !self.near.iter().any(|n| n.v == w)
+        {
+            self.near.push(Candidate { v: w, distance: distance2.sqrt(), spacing: 0.0 });
         }
     }
 

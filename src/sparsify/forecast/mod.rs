@@ -11,6 +11,7 @@
 //! passed over. The operations are the same on every machine, whatever their width, so the choices are too.
 
 mod foresee;
+mod four;
 mod more;
 mod place;
 mod wrap;
@@ -72,6 +73,16 @@ impl Rim {
     }
 }
 
+/// As many as there are numbers: no look at one has to be checked.
+#[derive(Clone, Debug)]
+struct Places(Box<[DVec3; 256]>);
+
+impl Default for Places {
+    fn default() -> Places {
+        Places(Box::new([DVec3::ZERO; 256]))
+    }
+}
+
 /// A tetrahedron that is still to come.
 const ABSENT: u32 = u32::MAX;
 /// No handle, no facet.
@@ -94,9 +105,8 @@ pub struct Demand {
 #[derive(Clone, Debug, Default)]
 pub struct Forecast {
     origin: DVec3,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
+    /// Where the vertices around the hole are, relative to the origin, by number.
+    places: Places,
     /// The vertices around the hole, by number.
     pub vertices: Vec<u32>,
     /// By vertex id: its number.
@@ -114,7 +124,7 @@ pub struct Forecast {
     corners: Corners,
     /// By position in `going`.
     parts: Vec<u32>,
-    /// Scratch of `more`: the tetrahedra at its vertex.
+    /// Scratch of `more`: the tetrahedra at its vertex, as the faces that they were reached through.
     star: Vec<u32>,
     /// Scratch of `more`: by position in the filling that was known, that in the new one. Of `foresee`: that among what comes.
     position: Vec<u16>,
@@ -173,9 +183,6 @@ impl Forecast {
         self.open.clear();
         self.filling.clear();
         self.obstacles.clear();
-        for list in [&mut self.x, &mut self.y, &mut self.z] {
-            list.clear();
-        }
         self.origin = origin;
         if self.number.len() < t.vertex_slots() {
             self.number.resize(2 * t.vertex_slots(), NONE);
@@ -362,10 +369,7 @@ impl Forecast {
         let number = self.vertices.len().min(MAX_VERTICES) as u8;
         self.number[v as usize] = number;
         self.vertices.push(v);
-        let p = t.at(v) - self.origin;
-        self.x.push(p.x);
-        self.y.push(p.y);
-        self.z.push(p.z);
+        self.places.0[number as usize] = t.at(v) - self.origin;
         number
     }
 
@@ -385,6 +389,6 @@ impl Forecast {
 
     #[inline]
     fn at(&self, v: u8) -> DVec3 {
-        DVec3::new(self.x[v as usize], self.y[v as usize], self.z[v as usize])
+        self.places.0[v as usize]
     }
 }

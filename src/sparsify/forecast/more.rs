@@ -3,12 +3,13 @@
 
 use glam::DVec3;
 
-use super::{sphere, Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, RIM};
+use super::four::spheres;
+use super::{Demand, Filling, Forecast, Rim, FACE, MAX_VERTICES, RIM};
 use crate::domain::Boundary;
-use crate::geometry::quality::EDGES;
+use crate::geometry::quality::in_fours;
 use crate::memory;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{slot_of, tet_of};
+use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 
 /// Marks: those of the known hole, the tetrahedra at the vertex, and of them those that a face which is kept leads to.
@@ -58,22 +59,24 @@ impl Forecast {
         debug_assert!(!Forecast::is_too_large(cavity));
         self.begin(t, p);
         let closed = boundary.closes(t);
-        for (i, &id) in cavity.tets.iter().enumerate() {
-            // Of a cavity that no wall parts all is inside, or nothing.
-            if (!closed || i == 0) && !t.is_inside(id) {
-                return false;
-            }
-            let corners = t.corners(id).map(|corner| corner - p);
-            let (center, radius2) = sphere(corners);
-            let length2 = |[i, j]: [usize; 2]| corners[i].distance_squared(corners[j]);
-            let shortest2 = EDGES.into_iter().map(length2).fold(f64::INFINITY, f64::min);
-            if radius2 > demand.bound2 * shortest2 && shortest2 <= demand.level2 {
-                if self.obstacles.len() == most {
-                    return false;
+        // Of a cavity that no wall parts all is inside, or nothing.
+        let decisive = if closed { 1 } else { cavity.tets.len() };
+        if !cavity.tets.iter().take(decisive).all(|&id| t.is_inside(id)) {
+            return false;
+        }
+        for (ids, count) in in_fours(cavity.tets.iter().copied()) {
+            let four = spheres(&ids.map(|id| t.corner_refs(id)), p);
+            for (lane, &id) in ids.iter().enumerate().take(count) {
+                let (radius2, shortest2) = (four.radius2[lane], four.shortest2[lane]);
+                if radius2 > demand.bound2 * shortest2 && shortest2 <= demand.level2 {
+                    if self.obstacles.len() == most {
+                        return false;
+                    }
+                    self.obstacles.push(self.filling.len() as u32);
                 }
-                self.obstacles.push(i as u32);
+                let center = DVec3::from(four.center.map(|x| x[lane]));
+                self.filling.push(Filling { v: [0; 4], n: [0; 4], center, radius2, id });
             }
-            self.filling.push(Filling { v: [0; 4], n: [0; 4], center, radius2, id });
         }
         // Nothing to mend: whatever the point is for, it shall come.
         !self.obstacles.is_empty() && self.link_cavity(t, boundary, cavity, closed)
@@ -128,8 +131,8 @@ impl Forecast {
     ) -> bool {
         let Some(number) = known.number_in_hole(w) else { return false };
         if known.lent && self.borrowed {
-            for &id in &self.star {
-                self.marks[id as usize] &= KNOWN;
+            for &face in &self.star {
+                self.marks[tet_of(face) as usize] &= KNOWN;
             }
             self.begin_lists(t, known.origin);
         } else {
@@ -147,9 +150,8 @@ impl Forecast {
         for (&v, number) in known.vertices.iter().zip(0..) {
             self.number[v as usize] = number;
         }
-        for (list, other) in [(&mut self.x, &known.x), (&mut self.y, &known.y), (&mut self.z, &known.z)] {
-            list.extend_from_slice(other);
-        }
+        let count = known.vertices.len().min(MAX_VERTICES + 1);
+        self.places.0[..count].copy_from_slice(&known.places.0[..count]);
         self.going.extend_from_slice(&known.going);
         debug_assert!(self.going.iter().all(|&id| self.marks[id as usize] & KNOWN != 0));
         let closed = boundary.closes(t);
@@ -164,11 +166,16 @@ impl Forecast {
     fn find_star(&mut self, t: &Triangulation, w: u32, least: f64, closed: bool) -> bool {
         let Forecast { star, marks, going, .. } = self;
         let (first, p) = (t.topology.vertex_tet[w as usize], t.at(w));
+        let is_near = |v: u32| v != w && t.at(v).distance_squared(p) < least;
+        if t.topology.tet(first).v.into_iter().filter(|&v| v != GHOST).any(is_near) {
+            return false;
+        }
         let fetch_mark = {
             let first = marks.as_ptr();
             move |n: u32| memory::prefetch(first.wrapping_add(tet_of(n) as usize))
         };
-        let mut take = |id: u32, star: &mut Vec<u32>| {
+        let mut take = |face: u32, star: &mut Vec<u32>| {
+            let id = tet_of(face);
             let mark = &mut marks[id as usize];
             if *mark & STAR == 0 {
                 if *mark == 0 {
@@ -176,27 +183,29 @@ impl Forecast {
                     t.topology.prefetch(id);
                 }
                 *mark |= STAR;
-                star.push(id);
+                star.push(face);
             }
         };
-        take(first, star);
+        take(4 * first, star);
         let mut next = 0;
         while next < star.len() {
+            let (id, entered) = (tet_of(star[next]), slot_of(star[next]));
             // A free vertex is inside with all around it.
-            if !closed && !t.is_inside(star[next]) {
+            if !closed && !t.is_inside(id) {
                 return false;
             }
-            let tet = t.topology.tet(star[next]);
+            let tet = t.topology.tet(id);
+            // The vertices of the face that it was reached through have been looked at.
+            if is_near(tet.v[entered]) {
+                return false;
+            }
             next += 1;
             if let Some(&later) = star.get(next) {
-                t.topology.tet(later).n.into_iter().for_each(fetch_mark);
+                t.topology.tet(tet_of(later)).n.into_iter().for_each(fetch_mark);
             }
             for (slot, &behind) in tet.n.iter().enumerate() {
                 if tet.v[slot] != w {
-                    if t.at(tet.v[slot]).distance_squared(p) < least {
-                        return false;
-                    }
-                    take(tet_of(behind), star);
+                    take(behind, star);
                 }
             }
         }
@@ -206,7 +215,7 @@ impl Forecast {
     /// Keeps what is known but for the tetrahedra at vertex `number`. Faces that the others share with the hole are opened.
     fn keep(&mut self, known: &Forecast, number: u8) -> bool {
         let mut new = Few::default();
-        for &id in self.star.iter().filter(|&&id| self.marks[id as usize] & KNOWN == 0) {
+        for id in self.star.iter().map(|&face| tet_of(face)).filter(|&id| self.marks[id as usize] & KNOWN == 0) {
             new.add(id);
         }
         self.position.clear();
@@ -259,7 +268,7 @@ impl Forecast {
     /// Opens the faces opposite `w` of the tetrahedra at it that were not known to go.
     fn open_star(&mut self, t: &Triangulation, boundary: &Boundary, w: u32, closed: bool) -> bool {
         for i in 0..self.star.len() {
-            let id = self.star[i];
+            let id = tet_of(self.star[i]);
             // What is known beyond the face has been kept, and the face opened from there.
             if self.marks[id as usize] & (KNOWN | MET) != 0 {
                 continue;

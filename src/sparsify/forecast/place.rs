@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::four::ratios;
 use super::{sphere, Demand, Filling, Forecast, FACE, RIM};
 use crate::domain::Boundary;
 use crate::triangulation::topology::tet_of;
@@ -262,7 +263,7 @@ impl Star {
     /// Joins what waits.
     fn finish(&mut self) -> bool {
         let count = std::mem::take(&mut self.count);
-        let ratios = self.ratios();
+        let ratios = ratios(&self.faces, self.q, self.demand);
         for (&ratio, face) in ratios.iter().zip(&self.faces).take(count) {
             if ratio > self.worst {
                 (self.worst, self.worst_face) = (ratio, *face);
@@ -270,65 +271,6 @@ impl Star {
         }
         self.worst <= self.cap
     }
-
-    #[inline]
-    fn ratios(&self) -> [f64; 4] {
-        #[cfg(target_arch = "x86_64")]
-        if crate::geometry::lanes::Avx2::available() {
-            // SAFETY: the processor has what the function is compiled for.
-            return unsafe { ratios_avx2(&self.faces, self.q, self.demand) };
-        }
-        ratios(&self.faces, self.q, self.demand)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-unsafe fn ratios_avx2(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64; 4] {
-    ratios(faces, q, demand)
-}
-
-/// R²/(β·l)² of the tetrahedra of four faces and `q`, 0 where that does not matter, infinite where `q` is not on the face's side.
-#[inline(always)]
-fn ratios(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64; 4] {
-    type Lanes = [f64; 4];
-    let zip = |a: Lanes, b: Lanes, f: fn(f64, f64) -> f64| -> Lanes {
-        [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])]
-    };
-    let corner = |k: usize| -> [Lanes; 3] {
-        let p = [faces[0][k], faces[1][k], faces[2][k], faces[3][k]];
-        [p.map(|p| p.x - q.x), p.map(|p| p.y - q.y), p.map(|p| p.z - q.z)]
-    };
-    let add = |a, b| zip(a, b, |a, b| a + b);
-    let sub = |a, b| zip(a, b, |a, b| a - b);
-    let mul = |a, b| zip(a, b, |a, b| a * b);
-    let min = |a, b| zip(a, b, |a, b| if a < b { a } else { b });
-    let dot = |a: [Lanes; 3], b: [Lanes; 3]| add(add(mul(a[0], b[0]), mul(a[1], b[1])), mul(a[2], b[2]));
-    let cross = |a: [Lanes; 3], b: [Lanes; 3]| {
-        [
-            sub(mul(a[1], b[2]), mul(a[2], b[1])),
-            sub(mul(a[2], b[0]), mul(a[0], b[2])),
-            sub(mul(a[0], b[1]), mul(a[1], b[0])),
-        ]
-    };
-    let minus = |a: [Lanes; 3], b: [Lanes; 3]| [sub(a[0], b[0]), sub(a[1], b[1]), sub(a[2], b[2])];
-    let (u, v, w) = (corner(0), corner(1), corner(2));
-    let (vw, wu, uv) = (cross(v, w), cross(w, u), cross(u, v));
-    let (uu, vv, ww) = (dot(u, u), dot(v, v), dot(w, w));
-    let (ab, bc, ca) = (minus(u, v), minus(v, w), minus(w, u));
-    let volume = dot(u, vw);
-    let part = |i: usize| add(add(mul(uu, vw[i]), mul(vv, wu[i])), mul(ww, uv[i]));
-    let n = [part(0), part(1), part(2)];
-    let numerator = dot(n, n);
-    let shortest = min(min(min(uu, vv), ww), min(min(dot(ab, ab), dot(bc, bc)), dot(ca, ca)));
-    let below = mul(mul(volume, volume), shortest);
-    let mut out = [0.0; 4];
-    for lane in 0..4 {
-        let ratio = numerator[lane] / (4.0 * demand.bound2 * below[lane]);
-        let ratio = if shortest[lane] > demand.level2 || ratio <= 1.0 - 1e-9 { 0.0 } else { ratio + 1e-9 };
-        out[lane] = if (volume[lane] < 0.0) & (below[lane] > 0.0) { ratio } else { f64::INFINITY };
-    }
-    out
 }
 
 /// The direction in which a point has to move so that its tetrahedron with a face becomes better: against the gradient of R²/l².

@@ -21,49 +21,75 @@ fn packed(v: [u8; 3]) -> u32 {
     low << 16 | (a + b + c - low - high) << 8 | high
 }
 
+/// Keys that are looked at together.
+const KEYS: usize = 8;
+/// No face's key.
+const NO_KEY: u32 = u32::MAX;
+
 /// The faces still to be wrapped, with their keys apart: looking for one is most of what is done with them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OpenFaces {
-    keys: Vec<u32>,
+    /// Behind those of the faces all are [`NO_KEY`].
+    keys: Vec<[u32; KEYS]>,
     faces: Vec<Open>,
 }
 
 impl OpenFaces {
     #[inline(always)]
     pub fn push(&mut self, v: [u8; 3], behind: u16) {
-        self.keys.push(packed(v));
+        let place = self.faces.len();
+        if place == KEYS * self.keys.len() {
+            self.lengthen();
+        }
+        self.keys[place / KEYS][place % KEYS] = packed(v);
         self.faces.push(Open { v, behind });
     }
 
     #[inline(always)]
     fn pop(&mut self) -> Option<Open> {
-        self.keys.pop();
-        self.faces.pop()
+        let last = self.faces.pop()?;
+        self.drop_key();
+        Some(last)
     }
 
-    /// Takes the face with these vertices out. Returns what lies behind it.
+    /// Takes the face with these vertices out, the first one if there are two. Returns what lies behind it.
     #[inline(always)]
     fn take(&mut self, v: [u8; 3]) -> Option<u16> {
         let key = packed(v);
-        const KEYS: usize = 8;
-        let chunks = self.keys.chunks_exact(KEYS);
-        let rest = chunks.remainder();
-        let mut place = None;
-        for (i, chunk) in chunks.enumerate() {
-            // All of them, and only then which: that takes a few instructions.
-            if chunk.iter().fold(false, |found, &k| found | (k == key)) {
-                place = chunk.iter().position(|&k| k == key).map(|lane| i * KEYS + lane);
-                break;
+        // All of them, in lanes: where a loop ends early can't be foretold, and a wrong guess takes longer than the rest of it.
+        let (mut found, mut next) = ([u32::MAX; KEYS], [0, 1, 2, 3, 4, 5, 6, 7]);
+        for keys in self.keys.iter().take(self.faces.len().div_ceil(KEYS)) {
+            for lane in 0..KEYS {
+                found[lane] = found[lane].min(if keys[lane] == key { next[lane] } else { u32::MAX });
+                next[lane] += KEYS as u32;
             }
         }
-        let start = self.keys.len() - rest.len();
-        let place = place.or_else(|| rest.iter().position(|&k| k == key).map(|i| start + i))?;
-        self.keys.swap_remove(place);
-        Some(self.faces.swap_remove(place).behind)
+        let place = found.into_iter().fold(u32::MAX, u32::min) as usize;
+        if place >= self.faces.len() {
+            return None;
+        }
+        let behind = self.faces.swap_remove(place).behind;
+        let last = self.drop_key();
+        if place < self.faces.len() {
+            self.keys[place / KEYS][place % KEYS] = last;
+        }
+        Some(behind)
+    }
+
+    /// Takes out the key behind those of all faces.
+    #[inline(always)]
+    fn drop_key(&mut self) -> u32 {
+        let place = self.faces.len();
+        std::mem::replace(&mut self.keys[place / KEYS][place % KEYS], NO_KEY)
+    }
+
+    #[cold]
+    fn lengthen(&mut self) {
+        self.keys.push([NO_KEY; KEYS]);
     }
 
     pub fn clear(&mut self) {
-        self.keys.clear();
+        self.keys.iter_mut().take(self.faces.len().div_ceil(KEYS)).for_each(|keys| *keys = [NO_KEY; KEYS]);
         self.faces.clear();
     }
 
@@ -151,12 +177,8 @@ impl Corners {
                 place[lane] = if better { i as u64 } else { place[lane] };
             }
         }
-        let mut lane = 0;
-        for other in 1..LANES {
-            if best[other] < best[lane] {
-                lane = other;
-            }
-        }
+        let lower = |i: usize, j: usize| if best[j] < best[i] { j } else { i };
+        let lane = lower(lower(0, 1), lower(2, 3));
         (best[lane] < f64::INFINITY).then(|| (self.number[place[lane] as usize * LANES + lane], best[lane]))
     }
 }
