@@ -34,6 +34,8 @@ pub struct Encroached {
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
+    /// Subfacets that would stay, as long as nobody has asked whether they are encroached.
+    standing: Vec<[u32; 3]>,
     /// Scratch: the subsegments in the cavity, in order, and whether they stay.
     inner: Vec<[u32; 2]>,
     stay: Vec<bool>,
@@ -61,9 +63,9 @@ impl Recent {
 }
 
 impl Encroached {
-    /// Whether there are none.
+    /// Whether there are none, and none that may be.
     pub fn is_empty(&self) -> bool {
-        self.segments.is_empty() && self.facets.is_empty() && !self.loses()
+        self.segments.is_empty() && self.facets.is_empty() && self.standing.is_empty() && !self.loses()
     }
 
     /// Whether some would go though they are not encroached.
@@ -97,6 +99,7 @@ impl Encroached {
         self.lost_facets.clear();
         self.going_segments.clear();
         self.going_facets.clear();
+        self.standing.clear();
     }
 }
 
@@ -126,6 +129,48 @@ impl Boundary {
     /// small input angles have left an element encroached). `found` is filled, in order of ids. [`Error::Cancelled`] when the control says stop: then it is
     /// of no use.
     pub(crate) fn encroached_by(
+        &self,
+        t: &Triangulation,
+        p: DVec3,
+        cavity: &Cavity,
+        found: &mut Encroached,
+        control: &Control,
+    ) -> Result<(), Error> {
+        self.taken_by(t, p, cavity, found, control)?;
+        let turns = control.turns();
+        for face in std::mem::take(&mut found.lost_facets) {
+            turns.check()?;
+            if encroaches_facet(face.map(|v| t.at(v)), p) {
+                found.facets.push(face);
+                found.going_facets.push(face);
+            } else {
+                found.lost_facets.push(face);
+            }
+        }
+        self.judge_standing(t, p, found, control)
+    }
+
+    /// Asks of the subfacets around the cavity that [would stay](Self::taken_by) whether they are encroached.
+    pub(crate) fn judge_standing(
+        &self,
+        t: &Triangulation,
+        p: DVec3,
+        found: &mut Encroached,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let turns = control.turns();
+        for face in found.standing.drain(..) {
+            turns.check()?;
+            if encroaches_facet(face.map(|v| t.at(v)), p) {
+                found.facets.push(face);
+            }
+        }
+        sort(&mut found.facets, &control.watch())
+    }
+
+    /// As [`encroached_by`](Self::encroached_by), but of the subfacets that go all are said to be lost, and those that stay are not judged yet: most often
+    /// a subsegment comes before them, or nothing depends on it.
+    pub(crate) fn taken_by(
         &self,
         t: &Triangulation,
         p: DVec3,
@@ -170,13 +215,10 @@ impl Boundary {
                     continue;
                 }
                 let key = face_key(face);
-                if encroaches_facet(key.map(|v| t.at(v)), p) {
-                    found.facets.push(key);
-                    if goes {
-                        found.going_facets.push(key);
-                    }
-                } else if goes {
+                if goes {
                     found.lost_facets.push(key);
+                } else {
+                    found.standing.push(key);
                 }
             }
         }
@@ -210,11 +252,7 @@ impl Boundary {
             }
         }
         // Faces come in the order of storage.
-        let Encroached { facets, lost_facets, going_facets, .. } = found;
-        for list in [facets, lost_facets, going_facets] {
-            sort(list, &watch)?;
-        }
-        Ok(())
+        sort(&mut found.lost_facets, &watch)
     }
 
     /// Keeps one subsegment and one subfacet of those that `p` encroaches upon, whose centres are nearest to it. What else it encroaches upon often needs

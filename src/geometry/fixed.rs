@@ -33,11 +33,7 @@ impl FixedPoint {
     /// most points even where a few others are too near to a coordinate plane for an arithmetic for all.
     #[inline]
     pub fn of<const N: usize>(points: [DVec3; N]) -> Option<FixedPoint> {
-        let (mut unit, mut greatest) = (f64::INFINITY, 0.0f64);
-        for p in points {
-            unit = unit.min(divisor(p.x)).min(divisor(p.y)).min(divisor(p.z));
-            greatest = greatest.max(p.abs().max_element());
-        }
+        let (unit, greatest) = unit_and_greatest(points);
         FixedPoint::new(unit, greatest)
     }
 
@@ -66,6 +62,17 @@ impl FixedPoint {
         sum.subtract(Wide::volume(a, b, c), square(d));
         sum.sign()
     }
+}
+
+/// The largest power of two that divides the coordinates of these points, and their greatest magnitude.
+#[inline]
+pub(super) fn unit_and_greatest<const N: usize>(points: [DVec3; N]) -> (f64, f64) {
+    let (mut unit, mut greatest) = (f64::INFINITY, 0.0f64);
+    for p in points {
+        unit = unit.min(divisor(p.x)).min(divisor(p.y)).min(divisor(p.z));
+        greatest = greatest.max(p.abs().max_element());
+    }
+    (unit, greatest)
 }
 
 #[inline]
@@ -174,7 +181,7 @@ impl Sum {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use proptest::prelude::*;
 
     use super::super::circumsphere::circumcenter;
@@ -182,7 +189,8 @@ mod tests {
     use super::super::predicates;
     use super::*;
 
-    fn in_rationals(corners: [DVec3; 4], p: DVec3) -> [Sign; 2] {
+    /// The signs of `orient3d` and `insphere`.
+    pub fn in_rationals(corners: [DVec3; 4], p: DVec3) -> [Sign; 2] {
         let [a, b, c, d] = corners.map(|q| exact::Vector::<Dyadic>::difference(q, p));
         let volume = |u: &exact::Vector<Dyadic>, v: &exact::Vector<Dyadic>, w| u.dot(&v.cross(w));
         let zero = Dyadic::new(0.0);

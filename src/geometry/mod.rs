@@ -14,6 +14,7 @@ pub mod perturbation;
 pub mod predicates;
 pub mod quality;
 mod range;
+mod wide;
 
 pub use predicates::{Filter, Sign};
 pub use range::{check_points, check_range, flush_tiny, MAX_MAGNITUDE, MIN_LENGTH, MIN_MAGNITUDE};

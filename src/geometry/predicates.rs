@@ -6,7 +6,7 @@
 //! Before the last stage stand two tests that make grids cheap: when all coordinates are multiples of
 //! one power of two and the differences at hand are small multiples of it, the floating-point
 //! determinant is exact as it stands, zero included; and when no coordinate is more than 61 bits of it, be it of all points or of
-//! those at hand, the determinant is computed in whole numbers (`fixed`).
+//! those at hand, the determinant is computed in whole numbers (`fixed`), and so it is when no coordinate of those at hand is more than 125 bits (`wide`).
 //!
 //! The error constants are Shewchuk's for the same evaluation order, with the permanent replaced by its upper bound.
 
@@ -15,6 +15,7 @@ use robust::Coord3D;
 
 use super::fixed::FixedPoint;
 use super::lanes::Lanes;
+use super::wide::WidePoint;
 
 /// The sign of an exactly evaluated determinant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -197,8 +198,11 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= ORIENT_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        match self.fixed.or_else(|| FixedPoint::of([a, b, c, d])) {
-            Some(fixed) => fixed.orient3d([a, b, c], d),
+        if let Some(fixed) = self.fixed.or_else(|| FixedPoint::of([a, b, c, d])) {
+            return fixed.orient3d([a, b, c], d);
+        }
+        match WidePoint::of([a, b, c, d]) {
+            Some(wide) => wide.orient3d([a, b, c], d),
             None => orient3d(a, b, c, d),
         }
     }
@@ -224,8 +228,11 @@ impl Filter {
         if det.abs() > bound || m.max_element() <= INSPHERE_EXACT_UNITS * self.unit {
             return Sign::of(det);
         }
-        match self.fixed.or_else(|| FixedPoint::of([a, b, c, d, p])) {
-            Some(fixed) => fixed.insphere([a, b, c, d], p),
+        if let Some(fixed) = self.fixed.or_else(|| FixedPoint::of([a, b, c, d, p])) {
+            return fixed.insphere([a, b, c, d], p);
+        }
+        match WidePoint::of([a, b, c, d, p]) {
+            Some(wide) => wide.insphere([a, b, c, d], p),
             None => insphere(a, b, c, d, p),
         }
     }

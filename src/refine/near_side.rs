@@ -116,7 +116,8 @@ impl Refiner<'_> {
         encroached.segments.sort_unstable();
         encroached.facets.sort_unstable();
         encroached.facets.dedup();
-        self.give_way(p, room, demand).then_some(Placed::Encroaches)
+        // What a cancellation has left out is left to the search.
+        matches!(self.give_way(p, room, demand), Ok(true)).then_some(Placed::Encroaches)
     }
 }
 

@@ -502,7 +502,7 @@ impl<'a> Refiner<'a> {
                 let Encroached { segments, facets, lost_segments, lost_facets, .. } = &mut self.encroached;
                 segments.append(lost_segments);
                 facets.append(lost_facets);
-                if self.give_way(p, clearance, demand) {
+                if self.give_way(p, clearance, demand)? {
                     self.cavity.clear();
                     return Ok(Placed::Encroaches);
                 }
@@ -527,25 +527,27 @@ impl<'a> Refiner<'a> {
 
     /// Queues of what the sample `p` encroaches upon that which can be split as demanded, subsegments before subfacets and with the sparse rule only the
     /// nearest. False when nothing can be. `room` is the sample's distance from its nearest vertex.
-    pub(super) fn give_way(&mut self, p: DVec3, room: f64, demand: Demand) -> bool {
-        let Refiner { t, boundary, encroached, .. } = self;
+    pub(super) fn give_way(&mut self, p: DVec3, room: f64, demand: Demand) -> Result<bool, Error> {
+        let Refiner { t, boundary, encroached, control, .. } = self;
         let asked = |element: Element| element.asked(t, boundary, demand).is_some();
         encroached.segments.retain(|&s| asked(Element::Segment(s)));
-        encroached.facets.retain(|&f| asked(Element::Facet(f)));
-        if !encroached.segments.is_empty() {
+        if encroached.segments.is_empty() {
+            boundary.judge_standing(t, p, encroached, control)?;
+            encroached.facets.retain(|&f| asked(Element::Facet(f)));
+        } else {
             encroached.facets.clear();
         }
         if self.rule == Rule::Sparse {
             boundary.keep_nearest(t, p, encroached);
         }
         if encroached.segments.is_empty() && encroached.facets.is_empty() {
-            return false;
+            return Ok(false);
         }
         if self.rule == Rule::Sparse && self.sparsifier.is_some() {
             self.given_way = Some((p, room));
         }
         self.ask(demand);
-        true
+        Ok(true)
     }
 
     /// Queues what a sample with this demand encroaches upon.
@@ -573,9 +575,15 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Finds what the point that the cavity was found for encroaches upon.
+    /// Finds what the point that the cavity was found for encroaches upon; of subfacets only those that would go, where the others are not split for it
+    /// or [come later](Self::give_way).
     pub(super) fn find_encroached(&mut self, p: DVec3) -> Result<(), Error> {
-        self.boundary.encroached_by(self.t, p, &self.cavity, &mut self.encroached, &self.control)
+        let Refiner { t, boundary, cavity, encroached, control, .. } = self;
+        if boundary.lazy {
+            boundary.taken_by(t, p, cavity, encroached, control)
+        } else {
+            boundary.encroached_by(t, p, cavity, encroached, control)
+        }
     }
 
     /// Prepares the insertion of the point that the cavity was found for: the last step that a control can cancel.
