@@ -27,9 +27,9 @@ pub struct Encroached {
     /// Subsegments that would go from the triangulation without being encroached. That is so where vertices are left in the balls of
     /// elements: near small input angles, and where the boundary is refined lazily.
     pub lost_segments: Vec<[u32; 2]>,
-    /// Subfacets of which the same is true.
+    /// Subfacets of which the same is true; from [`taken_by`](Boundary::taken_by) all that would go.
     pub lost_facets: Vec<[u32; 3]>,
-    /// The vertices around the cavity that are on the boundary.
+    /// The vertices around the cavity that are on the boundary; of very many one more than [`MANY_NEAR`].
     pub(crate) near: Vec<u32>,
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
@@ -40,6 +40,9 @@ pub struct Encroached {
     inner: Vec<[u32; 2]>,
     stay: Vec<bool>,
 }
+
+/// So many vertices on the boundary around one cavity are of use.
+pub(crate) const MANY_NEAR: usize = 1024;
 
 /// The edges that have been looked at last: those of a cavity come several times.
 struct Recent([[u32; 2]; 1 << Recent::BITS]);
@@ -138,15 +141,16 @@ impl Boundary {
     ) -> Result<(), Error> {
         self.taken_by(t, p, cavity, found, control)?;
         let turns = control.turns();
-        for face in std::mem::take(&mut found.lost_facets) {
-            turns.check()?;
-            if encroaches_facet(face.map(|v| t.at(v)), p) {
-                found.facets.push(face);
-                found.going_facets.push(face);
-            } else {
-                found.lost_facets.push(face);
+        let Encroached { facets, lost_facets, going_facets, .. } = found;
+        lost_facets.retain(|&face| {
+            let is_encroached = turns.go_on() && encroaches_facet(face.map(|v| t.at(v)), p);
+            if is_encroached {
+                facets.push(face);
+                going_facets.push(face);
             }
-        }
+            !is_encroached
+        });
+        turns.end()?;
         self.judge_standing(t, p, found, control)
     }
 
@@ -158,6 +162,9 @@ impl Boundary {
         found: &mut Encroached,
         control: &Control,
     ) -> Result<(), Error> {
+        if found.standing.is_empty() {
+            return Ok(());
+        }
         let turns = control.turns();
         for face in found.standing.drain(..) {
             turns.check()?;
@@ -182,7 +189,7 @@ impl Boundary {
         let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
         for v in cavity.rim(&t.topology) {
             turns.check()?;
-            if self.kind(v) != 0 {
+            if self.kind(v) != 0 && found.near.len() <= MANY_NEAR {
                 found.near.push(v);
             }
         }

@@ -2,8 +2,8 @@
 //!
 //! Of a mechanical part that somebody has turned, one coordinate often is what rounding has left of zero, 10⁻¹⁷ beside 1: more than 62 bits can tell.
 //! Its points are on common circles and spheres as on no other input, and expansion arithmetic, which is made for numbers of any length, takes
-//! eight times as long to see that. With differences of 126 bits minors have 253 bits, volumes 381, squared lengths 254 and the in-sphere determinant 637, all with
-//! their signs.
+//! eight times as long to see that. With differences below 2¹²⁶ minors are below 2²⁵³, volumes below 2³⁸¹, squared lengths below 2²⁵⁴ and the in-sphere determinant is below
+//! 2⁶³⁷; each sign takes one bit more.
 
 use glam::DVec3;
 

@@ -4,7 +4,7 @@
 //! they cost was mostly the memory that their lists went through. Only the bucket whose turn it is is sorted. By then 19 of 20 have gone, which their
 //! [hashes](Waiting::of) tell; the rest is looked at anew. It belongs there if it is bad and of that length, even if it is not what was
 //! queued but has come to the same place: then it has been queued there itself. What comes meanwhile and is no longer than that goes into a
-//! heap, which stays small. So the order is that of one large heap, which took two fifths of the time of a refinement.
+//! heap. When that is no longer small, as where sizes are wanted that are below all edges there are, the bucket in turn is an earlier one from then on. So the order is that of one large heap, which took two fifths of the time of a refinement.
 //!
 //! Among equals vertex ids decide, in order and not as they are stored, so that any triangulation whose vertices are numbered alike is
 //! refined alike: `wellspaced/cgal.hpp` does the same.
@@ -199,6 +199,8 @@ impl Buckets {
 /// Places that are judged between two looks at the control.
 const PART: usize = 1 << 12;
 
+/// The heap has at most so many entries of several buckets.
+const LATE: usize = if cfg!(test) { 16 } else { 1 << 12 };
 /// Entries that are made ready while one is mended.
 const NEXT: usize = 4;
 /// How much earlier than it is looked at a place is fetched.
@@ -255,6 +257,9 @@ impl Queue {
         let turns = control.turns();
         loop {
             turns.check()?;
+            if self.late.len() > LATE {
+                self.turn_back(t, control)?;
+            }
             let near = self.near.get(self.gone);
             let entry = match self.late.peek() {
                 Some(Reverse(late)) if near.is_none_or(|near| late < near) => self.late.pop().map(|Reverse(late)| late),
@@ -281,6 +286,42 @@ impl Queue {
         for next in self.near[self.gone..].iter().take(NEXT / 2) {
             t.topology.tet(next.t).n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
         }
+    }
+
+    /// Makes the first bucket of the heap the current one, if it is an earlier one; what is longer waits again. When the control says stop, some of that is
+    /// where it was.
+    fn turn_back(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let Queue { near, gone, current, late, waiting, count, .. } = self;
+        let Some(first) = late.peek().map(|Reverse(first)| bucket(first.shortest)).filter(|first| first < current)
+        else {
+            return Ok(());
+        };
+        let turns = control.turns();
+        let mut wait = |entry: Entry| {
+            turns.check()?;
+            // A place whose tetrahedron has gone may have another one by now, which is not to come again.
+            if entry.is_live(t) {
+                waiting.push(bucket(entry.shortest), Waiting::new(t, entry.t))
+            } else {
+                *count -= 1;
+                Ok(())
+            }
+        };
+        *current = first;
+        while near.len() > *gone {
+            wait(near[near.len() - 1])?;
+            near.pop();
+        }
+        let (mut entries, mut result) = (std::mem::take(late).into_vec(), Ok(()));
+        entries.retain(|&Reverse(entry)| {
+            if result.is_ok() && bucket(entry.shortest) > first {
+                result = wait(entry);
+                return result.is_err();
+            }
+            true
+        });
+        *late = entries.into();
+        result
     }
 
     /// Makes a waiting bucket the current one, of which nothing is left.

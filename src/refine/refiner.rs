@@ -20,7 +20,7 @@ use super::restore::{Element, Record};
 use super::sizing::Sizes;
 use super::split::Split;
 use super::{RefineOptions, RefineStatus, Unrefined};
-use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
+use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached, MANY_NEAR};
 use crate::domain::pending::Demand;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
@@ -105,7 +105,7 @@ pub struct Refiner<'a> {
     pub facet_splits: usize,
 }
 
-/// So many vertices around a point are looked through for partners: of a larger star nothing could be made.
+/// So many vertices around a sample are looked through for partners: of a larger star nothing could be made.
 pub(super) const MANY: usize = 1024;
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
@@ -406,7 +406,9 @@ impl<'a> Refiner<'a> {
     /// Whether there are partners on the boundary for the vertex that the last insertion has brought.
     fn has_partner_on_boundary(&self, v: u32) -> bool {
         let (Some(sparsifier), boundary) = (&self.sparsifier, &*self.boundary) else { return false };
-        self.encroached.near.iter().any(|&w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
+        let near = &self.encroached.near;
+        // Of a larger star nothing could be made.
+        near.len() <= MANY_NEAR && near.iter().any(|&w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
     }
 
     /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.
