@@ -27,7 +27,7 @@ pub struct Encroached {
     /// Subsegments that would go from the triangulation without being encroached. That is so where vertices are left in the balls of
     /// elements: near small input angles, and where the boundary is refined lazily.
     pub lost_segments: Vec<[u32; 2]>,
-    /// Subfacets of which the same is true; from [`taken_by`](Boundary::taken_by) all that would go.
+    /// Subfacets of which the same is true; where it has not been asked yet which of them are encroached, all that would go.
     pub lost_facets: Vec<[u32; 3]>,
     /// The vertices around the cavity that are on the boundary; of very many one more than [`MANY_NEAR`].
     pub(crate) near: Vec<u32>,
