@@ -7,7 +7,6 @@ use super::acute::Carrier;
 use super::blocked::Blocked;
 use super::elements::{Subfacets, Subsegments};
 pub use super::encroached::Encroached;
-pub(crate) use super::encroached::MANY_NEAR;
 use super::facet::FacetTriangulation;
 use super::pending::Demand;
 use crate::leavings::{give_elements_back, InPieces, Leavings};

@@ -29,8 +29,6 @@ pub struct Encroached {
     pub lost_segments: Vec<[u32; 2]>,
     /// Subfacets of which the same is true; where it has not been asked yet which of them are encroached, all that would go.
     pub lost_facets: Vec<[u32; 3]>,
-    /// The vertices around the cavity that are on the boundary; of very many one more than [`MANY_NEAR`].
-    pub(crate) near: Vec<u32>,
     /// Those of the encroached ones that would go.
     going_segments: Vec<[u32; 2]>,
     going_facets: Vec<[u32; 3]>,
@@ -40,9 +38,6 @@ pub struct Encroached {
     inner: Vec<[u32; 2]>,
     stay: Vec<bool>,
 }
-
-/// So many vertices on the boundary around one cavity are of use.
-pub(crate) const MANY_NEAR: usize = 1024;
 
 /// The edges that have been looked at last: those of a cavity come several times.
 struct Recent([[u32; 2]; 1 << Recent::BITS]);
@@ -95,7 +90,6 @@ impl Encroached {
     }
 
     pub(crate) fn clear(&mut self) {
-        self.near.clear();
         self.segments.clear();
         self.facets.clear();
         self.lost_segments.clear();
@@ -186,16 +180,10 @@ impl Boundary {
         control: &Control,
     ) -> Result<(), Error> {
         found.clear();
-        let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
-        for v in cavity.rim(&t.topology) {
-            turns.check()?;
-            if self.kind(v) != 0 && found.near.len() <= MANY_NEAR {
-                found.near.push(v);
-            }
-        }
-        if found.near.len() < 2 {
+        if !self.may_have_edge(cavity.rim(&t.topology)) {
             return Ok(());
         }
+        let (by_labels, turns) = (self.shows_in_labels(t), control.turns());
         found.inner.clear();
         let mut recent = Recent::default();
         for &tet in &cavity.tets {

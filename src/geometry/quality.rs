@@ -173,7 +173,7 @@ fn judge<L: Lanes>(tets: &[[&DVec3; 4]; 4], bound: f64) -> (u32, u32, [f64; 4]) 
 
 /// The first corners of four tetrahedra, the second ones, and so on.
 #[inline(always)]
-fn corners<L: Lanes>([p, q, r, s]: &[[&DVec3; 4]; 4]) -> [[L; 3]; 4] {
+pub(crate) fn corners<L: Lanes>([p, q, r, s]: &[[&DVec3; 4]; 4]) -> [[L; 3]; 4] {
     [
         L::load([p[0], q[0], r[0], s[0]]),
         L::load([p[1], q[1], r[1], s[1]]),
@@ -188,7 +188,7 @@ fn dot<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
 }
 
 #[inline(always)]
-fn difference<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+pub(crate) fn difference<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
     [p[0].sub(q[0]), p[1].sub(q[1]), p[2].sub(q[2])]
 }
 
@@ -197,8 +197,9 @@ fn cross<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
     [p[1].mul_sub(q[2], p[2].mul(q[1])), p[2].mul_sub(q[0], p[0].mul(q[2])), p[0].mul_sub(q[1], p[1].mul(q[0]))]
 }
 
+/// The squared length, without fused operations.
 #[inline(always)]
-fn squared<L: Lanes>(v: [L; 3]) -> L {
+pub(crate) fn squared<L: Lanes>(v: [L; 3]) -> L {
     v[0].mul(v[0]).add(v[1].mul(v[1])).add(v[2].mul(v[2]))
 }
 

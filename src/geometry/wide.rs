@@ -77,22 +77,20 @@ impl<const N: usize> Whole<N> {
         self.0[N - 1] >> 63 == 1
     }
 
-    fn plus(mut self, other: Self) -> Self {
-        let mut carry = false;
-        for (to, word) in self.0.iter_mut().zip(other.0) {
+    fn plus(self, other: Self) -> Self {
+        self.sum(other.0, false)
+    }
+
+    fn minus(self, other: Self) -> Self {
+        // To subtract is to add the complement and one.
+        self.sum(other.0.map(|word| !word), true)
+    }
+
+    fn sum(mut self, words: [u64; N], mut carry: bool) -> Self {
+        for (to, word) in self.0.iter_mut().zip(words) {
             let (sum, first) = to.overflowing_add(word);
             let (sum, second) = sum.overflowing_add(u64::from(carry));
             (*to, carry) = (sum, first | second);
-        }
-        self
-    }
-
-    fn minus(mut self, other: Self) -> Self {
-        let mut borrow = false;
-        for (to, word) in self.0.iter_mut().zip(other.0) {
-            let (rest, first) = to.overflowing_sub(word);
-            let (rest, second) = rest.overflowing_sub(u64::from(borrow));
-            (*to, borrow) = (rest, first | second);
         }
         self
     }

@@ -4,7 +4,8 @@
 //! they cost was mostly the memory that their lists went through. Only the bucket whose turn it is is sorted. By then 19 of 20 have gone, which their
 //! [hashes](Waiting::of) tell; the rest is looked at anew. It belongs there if it is bad and of that length, even if it is not what was
 //! queued but has come to the same place: then it has been queued there itself. What comes meanwhile and is no longer than that goes into a
-//! heap. When that is no longer small, as where sizes are wanted that are below all edges there are, the bucket in turn is an earlier one from then on. So the order is that of one large heap, which took two fifths of the time of a refinement.
+//! heap. When that is no longer small, as where sizes are wanted that are below all edges there are, the bucket in turn is an earlier one from
+//! then on. So the order is that of one large heap, which took two fifths of the time of a refinement.
 //!
 //! Among equals vertex ids decide, in order and not as they are stored, so that any triangulation whose vertices are numbered alike is
 //! refined alike: `wellspaced/cgal.hpp` does the same.
@@ -60,9 +61,8 @@ fn bucket(shortest: u64) -> u32 {
 /// A priority queue of tetrahedra.
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
-    /// The entries that were in bucket `current` when its turn came, in order, and how many of them have gone.
-    near: Vec<Entry>,
-    gone: usize,
+    /// The entries that were in bucket `current` when its turn came, the next one last.
+    near: Vec<Reverse<Entry>>,
     current: u32,
     /// What has come since and belongs into that bucket or an earlier one.
     late: BinaryHeap<Reverse<Entry>>,
@@ -260,12 +260,12 @@ impl Queue {
             if self.late.len() > LATE {
                 self.turn_back(t, control)?;
             }
-            let near = self.near.get(self.gone);
-            let entry = match self.late.peek() {
-                Some(Reverse(late)) if near.is_none_or(|near| late < near) => self.late.pop().map(|Reverse(late)| late),
-                _ => near.copied().inspect(|_| self.gone += 1),
+            let is_late = match (self.late.peek(), self.near.last()) {
+                (Some(late), Some(near)) => late > near,
+                (late, _) => late.is_some(),
             };
-            let Some(entry) = entry else {
+            let next = if is_late { self.late.pop() } else { self.near.pop() };
+            let Some(Reverse(entry)) = next else {
                 let Some(first) = self.waiting.first_filled() else { return Ok(None) };
                 self.turn_to(first, t, control, &mut judge)?;
                 continue;
@@ -280,18 +280,19 @@ impl Queue {
 
     /// Asks for what will be looked at first when the next ones come, while there is time.
     fn fetch_next(&self, t: &Triangulation) {
-        if let Some(later) = self.near.get(self.gone + NEXT) {
-            t.topology.prefetch(later.t);
+        let next = self.near.iter().rev().map(|Reverse(next)| next.t);
+        if let Some(later) = next.clone().nth(NEXT) {
+            t.topology.prefetch(later);
         }
-        for next in self.near[self.gone..].iter().take(NEXT / 2) {
-            t.topology.tet(next.t).n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
+        for soon in next.take(NEXT / 2) {
+            t.topology.tet(soon).n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
         }
     }
 
     /// Makes the first bucket of the heap the current one, if it is an earlier one; what is longer waits again. When the control says stop, some of that is
     /// where it was.
     fn turn_back(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let Queue { near, gone, current, late, waiting, count, .. } = self;
+        let Queue { near, current, late, waiting, count, .. } = self;
         let Some(first) = late.peek().map(|Reverse(first)| bucket(first.shortest)).filter(|first| first < current)
         else {
             return Ok(());
@@ -308,8 +309,8 @@ impl Queue {
             }
         };
         *current = first;
-        while near.len() > *gone {
-            wait(near[near.len() - 1])?;
+        while let Some(&Reverse(entry)) = near.last() {
+            wait(entry)?;
             near.pop();
         }
         let (mut entries, mut result) = (std::mem::take(late).into_vec(), Ok(()));
@@ -337,7 +338,7 @@ impl Queue {
         match judged.and_then(|()| self.entries_of(first, t, control)) {
             Ok(entries) => {
                 self.count = self.count - waiting.len() + entries.len();
-                (self.near, self.gone, self.current) = (entries, 0, first);
+                (self.near, self.current) = (entries, first);
                 Ok(())
             }
             Err(error) => {
@@ -347,14 +348,14 @@ impl Queue {
         }
     }
 
-    /// Entries for those judged that are in this bucket, in order.
-    fn entries_of(&self, first: u32, t: &Triangulation, control: &Control) -> Result<Vec<Entry>, Error> {
+    /// Entries for those judged that are in this bucket, the first one last.
+    fn entries_of(&self, first: u32, t: &Triangulation, control: &Control) -> Result<Vec<Reverse<Entry>>, Error> {
         let mut entries = memory::room_in_pieces(self.judged.len(), "queue", control)?;
         let turns = control.turns();
         for &(tet, shortest) in &self.judged {
             turns.check()?;
             if bucket(shortest.to_bits()) == first {
-                entries.push(Entry::new(t, tet, shortest));
+                entries.push(Reverse(Entry::new(t, tet, shortest)));
             }
         }
         sort(&mut entries, &control.watch())?;

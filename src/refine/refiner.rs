@@ -20,7 +20,7 @@ use super::restore::{Element, Record};
 use super::sizing::Sizes;
 use super::split::Split;
 use super::{RefineOptions, RefineStatus, Unrefined};
-use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached, MANY_NEAR};
+use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
 use crate::domain::pending::Demand;
 use crate::geometry::circumsphere::circumcenter;
 use crate::geometry::flush_tiny;
@@ -406,9 +406,8 @@ impl<'a> Refiner<'a> {
     /// Whether there are partners on the boundary for the vertex that the last insertion has brought.
     fn has_partner_on_boundary(&self, v: u32) -> bool {
         let (Some(sparsifier), boundary) = (&self.sparsifier, &*self.boundary) else { return false };
-        let near = &self.encroached.near;
-        // Of a larger star nothing could be made.
-        near.len() <= MANY_NEAR && near.iter().any(|&w| sparsifier.may_merge(self.t, boundary, [v, w], self.edge))
+        let may_merge = |w: u32| boundary.kind(w) != 0 && sparsifier.may_merge(self.t, boundary, [v, w], self.edge);
+        self.rim.len() < MANY && self.rim.iter().any(|&(w, _)| may_merge(w))
     }
 
     /// Tries to make one vertex of that which a split of an element with these corners has brought, and a neighbour.

@@ -8,6 +8,7 @@ use super::Demand;
 #[cfg(target_arch = "x86_64")]
 use crate::geometry::lanes::Avx2;
 use crate::geometry::lanes::{Lanes, Portable};
+use crate::geometry::quality::{corners, difference, squared};
 
 /// Circumcentres relative to an origin, squared circumradii, and squared shortest edges.
 pub(super) struct Spheres {
@@ -35,8 +36,8 @@ unsafe fn spheres_avx2(tets: &[[&DVec3; 4]; 4], origin: DVec3) -> Spheres {
 
 #[inline(always)]
 fn spheres_in<L: Lanes>(tets: &[[&DVec3; 4]; 4], origin: DVec3) -> Spheres {
-    let corner = |k: usize| from(origin, [tets[0][k], tets[1][k], tets[2][k], tets[3][k]]);
-    let [a, b, c, d]: [[L; 3]; 4] = [corner(0), corner(1), corner(2), corner(3)];
+    let ([a, b, c, d], origin) = (corners::<L>(tets), everywhere(origin));
+    let (a, b, c, d) = (difference(a, origin), difference(b, origin), difference(c, origin), difference(d, origin));
     let (u, v, w) = (difference(b, a), difference(c, a), difference(d, a));
     let (uu, vv, ww) = (squared(u), squared(v), squared(w));
     let (n, volume) = circumcenter_and_volume([u, v, w], [uu, vv, ww]);
@@ -70,8 +71,12 @@ unsafe fn ratios_avx2(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64
 
 #[inline(always)]
 fn ratios_in<L: Lanes>(faces: &[[DVec3; 3]; 4], q: DVec3, demand: Demand) -> [f64; 4] {
-    let corner = |k: usize| from(q, [&faces[0][k], &faces[1][k], &faces[2][k], &faces[3][k]]);
-    let [u, v, w]: [[L; 3]; 3] = [corner(0), corner(1), corner(2)];
+    let q = everywhere::<L>(q);
+    // What is done in lanes stands here itself: in a function that is passed on it would not be compiled for them.
+    let corners = |k: usize| [&faces[0][k], &faces[1][k], &faces[2][k], &faces[3][k]];
+    let u = difference(L::load(corners(0)), q);
+    let v = difference(L::load(corners(1)), q);
+    let w = difference(L::load(corners(2)), q);
     let (uu, vv, ww) = (squared(u), squared(v), squared(w));
     let (n, volume) = circumcenter_and_volume([u, v, w], [uu, vv, ww]);
     let shortest2 =
@@ -98,26 +103,15 @@ fn circumcenter_and_volume<L: Lanes>([u, v, w]: [[L; 3]; 3], [uu, vv, ww]: [L; 3
     ([part(0), part(1), part(2)], dot(u, vw))
 }
 
-/// Four points as seen from another.
+/// The same point in each lane.
 #[inline(always)]
-fn from<L: Lanes>(origin: DVec3, points: [&DVec3; 4]) -> [L; 3] {
-    let [x, y, z] = L::load(points);
-    [x.sub(L::splat(origin.x)), y.sub(L::splat(origin.y)), z.sub(L::splat(origin.z))]
-}
-
-#[inline(always)]
-fn difference<L: Lanes>(p: [L; 3], q: [L; 3]) -> [L; 3] {
-    [p[0].sub(q[0]), p[1].sub(q[1]), p[2].sub(q[2])]
+fn everywhere<L: Lanes>(p: DVec3) -> [L; 3] {
+    [L::splat(p.x), L::splat(p.y), L::splat(p.z)]
 }
 
 #[inline(always)]
 fn dot<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
     p[0].mul(q[0]).add(p[1].mul(q[1])).add(p[2].mul(q[2]))
-}
-
-#[inline(always)]
-fn squared<L: Lanes>(v: [L; 3]) -> L {
-    dot(v, v)
 }
 
 #[inline(always)]
