@@ -87,6 +87,12 @@ impl Control {
         &NEVER
     }
 
+    /// Whether it is [that one](Self::never).
+    #[inline]
+    pub(crate) fn is_never(&self) -> bool {
+        std::ptr::eq(self, Control::never())
+    }
+
     /// A control that reports progress to `callback`, which returns `false` to cancel.
     pub fn with_progress(callback: impl Fn(Progress) -> bool + Send + Sync + 'static) -> Self {
         Control { progress: Some(Arc::new(callback)), ..Control::default() }

@@ -147,6 +147,21 @@ pub(crate) fn lengthen<T: Copy + Send + 'static>(
     Ok(())
 }
 
+/// Sets the elements at these places, if there are such, back to what all others are: the whole list where they are a good part of it, which takes a tenth of
+/// the time.
+#[inline]
+pub(crate) fn reset_at<T: Copy>(list: &mut [T], value: T, places: impl ExactSizeIterator<Item = u32>) {
+    const MANY: usize = 1 << 14;
+    if places.len() > MANY && places.len() > list.len() / 32 {
+        return list.fill(value);
+    }
+    for place in places {
+        if let Some(element) = list.get_mut(place as usize) {
+            *element = value;
+        }
+    }
+}
+
 /// The bytes that a list has taken, and those that it will take besides while it next grows, if that is near.
 pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
     let now = list.capacity() * size_of::<T>();

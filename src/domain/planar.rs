@@ -12,7 +12,7 @@ use crate::geometry::predicates::{collinear, orient2d};
 use crate::leavings::{InPieces, Leavings};
 use crate::parted::PartedMap;
 use crate::sorting::sort_unique;
-use crate::triangulation::try_spatial_order;
+use crate::triangulation::spatial_order;
 use crate::{memory, Control, Error};
 
 /// How far a facet's points may lie off its plane in any case, relative to its size. Points of a slanted plane have no exact coordinates.
@@ -117,7 +117,7 @@ pub fn triangles_within(
             turns.check()?;
             places.push(place(v));
         }
-        try_spatial_order(&places, control)?
+        spatial_order(&places, control)?
     } else {
         (0..vertices.len() as u32).collect()
     };

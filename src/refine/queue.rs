@@ -438,7 +438,7 @@ mod tests {
             let scale = 0.5f64.powi(turn % 7);
             let p = DVec3::new(next(), next(), next()) * scale * 0.9 + DVec3::splat(0.05);
             t.prepare(p, t.recent(), &mut cavity, &Control::new()).unwrap();
-            t.insert_into(p, &mut cavity).unwrap();
+            t.insert_into(p, &mut cavity, &Control::new()).unwrap();
             let mut bad = Vec::new();
             judge(&t, &cavity.created, &mut bad);
             bad.into_iter().for_each(|(tet, shortest)| queue.push(&t, tet, shortest).unwrap());

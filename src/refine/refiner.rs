@@ -520,7 +520,6 @@ impl<'a> Refiner<'a> {
         if self.spare(p, clearance)? {
             return Ok(Placed::Spared);
         }
-        self.plan()?;
         let new = self.insert_prepared(p)?;
         self.finish()?;
         Ok(Placed::Inserted(new))
@@ -587,13 +586,9 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Prepares the insertion of the point that the cavity was found for: the last step that a control can cancel.
-    pub(super) fn plan(&mut self) -> Result<(), Error> {
-        self.t.plan(&mut self.cavity, &self.control)
-    }
-
+    /// Inserts the point that the cavity was found for: the last step that a control can cancel.
     pub(super) fn insert_prepared(&mut self, p: DVec3) -> Result<u32, Error> {
-        let new = self.t.insert_into(p, &mut self.cavity)?;
+        let new = self.t.insert_into(p, &mut self.cavity, &self.control)?;
         // The id may have been that of a vertex on the boundary, now removed.
         self.boundary.unmark(new);
         Ok(new)

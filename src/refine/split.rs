@@ -82,10 +82,9 @@ impl Refiner<'_> {
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
-                self.plan()?;
-                self.boundary.apply(&changes, p);
                 let labels = self.labels_of_cavity();
                 let new = self.insert_prepared(p)?;
+                self.boundary.apply(&changes, p);
                 let before = self.boundary.standing(new, Some(edge), &changes);
                 let after = demand.following();
                 let pending = self.pending();
@@ -181,11 +180,10 @@ impl Refiner<'_> {
         if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
             return Ok(self.block_facet(face, NEVER));
         }
-        self.plan()?;
-        self.boundary.apply(&changes, p);
         let labels = self.labels_of_cavity();
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
+        self.boundary.apply(&changes, p);
         let before = self.boundary.standing(new, None, &changes);
         let [(facet, change)] = &changes;
         let after = demand.following();

@@ -151,8 +151,7 @@ impl Triangulation {
                 continue;
             }
             self.find_cavity(&self.filter, point, t, cavity, progress.control)?;
-            self.plan(cavity, progress.control)?;
-            self.commit(vertex, cavity, false)?;
+            self.commit(vertex, cavity, false, progress.control)?;
         }
         Ok(true)
     }

@@ -52,10 +52,14 @@ impl Cavity {
     /// Forgets the cavity; its memory stays for the next one.
     #[inline]
     pub fn clear(&mut self) {
-        for &t in &self.tets {
-            self.marks[t as usize] = 0;
-        }
+        self.unmark();
         self.clear_lists();
+    }
+
+    /// Takes the marks back.
+    #[inline]
+    pub(super) fn unmark(&mut self) {
+        memory::reset_at(&mut self.marks, 0, self.tets.iter().copied());
     }
 
     #[inline]

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::cavity::Cavity;
 use super::journal::Journal;
-use super::order::try_spatial_order;
+use super::order::spatial_order;
 use super::pass::POLL_INTERVAL;
 use super::site::Site;
 use super::topology::{tet_of, GHOST, MAX_VERTICES};
@@ -18,6 +18,27 @@ enum Before {
     Same,
     Journal(Box<Journal>),
     Copy(Box<Triangulation>),
+}
+
+/// Where a cancelled insertion goes back to.
+pub(super) enum Back<'a> {
+    /// Nowhere: the caller gives up all tetrahedra.
+    Nowhere,
+    /// To what was before it, by its own means.
+    Before,
+    /// To what was before many of them, by the caller's.
+    Journal(&'a mut Journal),
+}
+
+impl Back<'_> {
+    /// The same once more.
+    fn again(&mut self) -> Back<'_> {
+        match self {
+            Back::Nowhere => Back::Nowhere,
+            Back::Before => Back::Before,
+            Back::Journal(journal) => Back::Journal(journal),
+        }
+    }
 }
 
 /// What became of an inserted point.
@@ -52,14 +73,14 @@ impl Triangulation {
     ///
     /// Cost: the walk from the hint, then linear in the number of tetrahedra that change.
     pub fn insert(&mut self, point: DVec3, hint: Option<u32>) -> Result<Inserted, Error> {
-        self.insert_as((self.next_vertex(), point), hint, None, Control::never())
+        self.insert_as((self.next_vertex(), point), hint, Back::Before, Control::never())
     }
 
     pub(super) fn insert_as(
         &mut self,
         (vertex, point): (u32, DVec3),
         hint: Option<u32>,
-        journal: Option<&mut Journal>,
+        back: Back,
         control: &Control,
     ) -> Result<Inserted, Error> {
         check_range(0, point)?;
@@ -69,7 +90,7 @@ impl Triangulation {
         self.filter.extend(point);
         let start = self.start(hint);
         let slots = self.points.len();
-        let found = self.insert_new(vertex, point, start, journal, control);
+        let found = self.insert_new(vertex, point, start, back, control);
         if !matches!(found, Ok(inserted) if inserted.is_new) {
             self.unstore(vertex, slots);
         }
@@ -112,21 +133,23 @@ impl Triangulation {
             }
         };
         let mut before = before;
-        let journal = match &mut before {
-            Before::Journal(journal) => Some(&mut **journal),
-            _ => None,
+        let back = match &mut before {
+            Before::Journal(journal) => Back::Journal(journal),
+            Before::Same => Back::Before,
+            Before::Nothing | Before::Copy(_) => Back::Nowhere,
         };
-        let inserted = match self.insert_all(points, journal, control) {
+        let inserted = match self.insert_all(points, back, control) {
             Err(Error::Cancelled) => Ok(None),
             other => other,
         };
         let done = matches!(inserted, Ok(Some(_)));
         match before {
             Before::Copy(copy) if done => control.give_back(*copy),
+            Before::Journal(journal) if done => journal.end(control),
             _ if done => {}
             Before::Nothing => self.clear(control),
             Before::Same => {}
-            Before::Journal(journal) => journal.undo(self),
+            Before::Journal(journal) => journal.undo(self, control),
             Before::Copy(copy) => control.give_back(std::mem::replace(self, *copy)),
         }
         inserted
@@ -140,12 +163,7 @@ impl Triangulation {
         Ok(())
     }
 
-    fn insert_all(
-        &mut self,
-        points: &[DVec3],
-        mut journal: Option<&mut Journal>,
-        control: &Control,
-    ) -> Result<Option<Vec<u32>>, Error> {
+    fn insert_all(&mut self, points: &[DVec3], mut back: Back, control: &Control) -> Result<Option<Vec<u32>>, Error> {
         let mut ids = memory::with_room(points.len(), "ids")?;
         // Until a volume is spanned, and when they are few: one after the other.
         let mut rest = points;
@@ -164,7 +182,7 @@ impl Triangulation {
             }
             self.room_ahead(control)?;
             let vertex = if points.len() == 1 { self.next_vertex() } else { self.points.len() as u32 };
-            ids.push(self.insert_as((vertex, point), None, journal.as_deref_mut(), control)?.vertex);
+            ids.push(self.insert_as((vertex, point), None, back.again(), control)?.vertex);
             rest = others;
         }
         if rest.is_empty() {
@@ -183,23 +201,17 @@ impl Triangulation {
         vertex: u32,
         point: DVec3,
         start: u32,
-        journal: Option<&mut Journal>,
+        back: Back,
         control: &Control,
     ) -> Result<Inserted, Error> {
         self.store(vertex, point);
         if self.dimension() < 3 {
-            return self.insert_lower(vertex, point, journal, control);
+            return self.insert_lower(vertex, point, back, control);
         }
-        self.insert_noted(vertex, start, journal, control)
+        self.insert_or_back(vertex, start, back, control)
     }
 
-    fn insert_lower(
-        &mut self,
-        vertex: u32,
-        point: DVec3,
-        journal: Option<&mut Journal>,
-        control: &Control,
-    ) -> Result<Inserted, Error> {
+    fn insert_lower(&mut self, vertex: u32, point: DVec3, back: Back, control: &Control) -> Result<Inserted, Error> {
         if let Some(vertex) = self.lower.find(point) {
             return Ok(Inserted { vertex, is_new: false });
         }
@@ -211,11 +223,11 @@ impl Triangulation {
                 return Err(error);
             }
             let by_point = self.lower.forget_points(point);
-            match journal {
-                Some(journal) => journal.note_raise(by_point),
-                None => control.give_back(by_point),
+            match back {
+                Back::Journal(journal) => journal.note_raise(by_point),
+                Back::Nowhere | Back::Before => control.give_back(by_point),
             }
-        } else if let Some(journal) = journal {
+        } else if let Back::Journal(journal) = back {
             journal.note_lower(point, self.lower.dimension() > dimension);
         }
         Ok(Inserted { vertex, is_new: true })
@@ -230,7 +242,7 @@ impl Triangulation {
             control.check()?;
             points.extend(part.iter().map(|&v| self.at(v)));
         }
-        let order = try_spatial_order(&points, control)?.into_iter().map(|i| vertices[i as usize]);
+        let order = spatial_order(&points, control)?.into_iter().map(|i| vertices[i as usize]);
         self.start_from(basis);
         for (turn, v) in order.filter(|v| !basis.contains(v)).enumerate() {
             let goes_on = if turn % POLL_INTERVAL == 0 {
@@ -242,7 +254,7 @@ impl Triangulation {
                 return Err(Error::Cancelled);
             }
             self.room_ahead(control)?;
-            self.insert_noted(v, self.last, None, control)?;
+            self.insert_or_back(v, self.last, Back::Nowhere, control)?;
         }
         Ok(())
     }
@@ -276,21 +288,15 @@ impl Triangulation {
         self.last = inner;
     }
 
-    /// Inserts a vertex whose point is stored, in dimension 3.
+    /// Inserts a vertex whose point is stored, in dimension 3. When it is cancelled, the tetrahedra are good for nothing but to be cleared.
     #[inline]
-    pub(super) fn insert_stored(&mut self, vertex: u32, start: u32) -> Result<Inserted, Error> {
-        self.insert_noted(vertex, start, None, Control::never())
+    pub(super) fn insert_stored(&mut self, vertex: u32, start: u32, control: &Control) -> Result<Inserted, Error> {
+        self.insert_or_back(vertex, start, Back::Nowhere, control)
     }
 
-    /// [`insert_stored`](Self::insert_stored), with a note in the journal, unless it is cancelled.
+    /// Inserts a vertex whose point is stored, in dimension 3.
     #[inline]
-    fn insert_noted(
-        &mut self,
-        vertex: u32,
-        start: u32,
-        journal: Option<&mut Journal>,
-        control: &Control,
-    ) -> Result<Inserted, Error> {
+    fn insert_or_back(&mut self, vertex: u32, start: u32, back: Back, control: &Control) -> Result<Inserted, Error> {
         let point = self.at(vertex);
         let t = self.walk_within(&self.filter, point, start, control)?;
         if let Some(at) = self.vertex_at(t, point) {
@@ -299,50 +305,59 @@ impl Triangulation {
         }
         let mut cavity = std::mem::take(&mut self.scratch);
         let found = self.find_cavity(&self.filter, point, t, &mut cavity, control);
-        let planned = found.and_then(|()| self.plan(&mut cavity, control));
-        let noted = planned.and_then(|()| journal.map_or(Ok(()), |journal| journal.note(self, &cavity)));
-        let result = match noted {
-            Ok(()) => self.commit(vertex, &mut cavity, true),
-            Err(error) => {
-                cavity.clear();
-                Err(error)
+        let result = found.and_then(|()| match back {
+            Back::Nowhere => self.commit(vertex, &mut cavity, true, control),
+            Back::Before => self.commit_or_not(vertex, &mut cavity, control),
+            Back::Journal(journal) => {
+                journal.note(self, &cavity, control)?;
+                self.commit(vertex, &mut cavity, true, control)
             }
-        };
+        });
+        if result.is_err() {
+            cavity.clear();
+        }
         self.scratch = cavity;
         result.map(|()| Inserted { vertex, is_new: true })
     }
 
-    /// Prepares what fills a large cavity, which takes most of the time that filling it does: [`Error::Cancelled`] when `control` says so, and the
-    /// cavity is as it was. Left out, it is done on insertion.
+    /// [`commit`](Self::commit) after which all is as it was when it is cancelled.
     #[inline]
-    pub(crate) fn plan(&self, cavity: &mut Cavity, control: &Control) -> Result<(), Error> {
-        // SAFETY: the cavity is one of this triangulation, which has not changed since.
-        unsafe { cavity.plan(Site::of(self), control) }
+    fn commit_or_not(&mut self, vertex: u32, cavity: &mut Cavity, control: &Control) -> Result<(), Error> {
+        let count = cavity.tets.len() + cavity.faces.len();
+        self.change(count, control, |this, control| this.commit(vertex, cavity, true, control))
     }
 
-    /// Inserts the point of `vertex` into its cavity. Without `incidence`, `vertex_tet` is left for later.
+    /// Inserts the point of `vertex` into its cavity. Without `incidence`, `vertex_tet` is left for later. After a cancellation, the tetrahedra are good for
+    /// nothing but to be cleared.
     #[inline]
-    pub(super) fn commit(&mut self, vertex: u32, cavity: &mut Cavity, incidence: bool) -> Result<(), Error> {
+    pub(super) fn commit(
+        &mut self,
+        vertex: u32,
+        cavity: &mut Cavity,
+        incidence: bool,
+        control: &Control,
+    ) -> Result<(), Error> {
         if !self.topology.has_room(cavity.faces.len()) {
-            cavity.clear();
             return Err(Error::TooManyVertices { requested: self.points.len(), limit: MAX_VERTICES });
         }
-        let planned = self.plan(cavity, Control::never());
-        if let Err(error) = planned.and_then(|()| self.reserve_for(cavity)) {
-            cavity.clear();
-            return Err(error);
-        }
-        self.fill_cavity(vertex, cavity, incidence);
+        // SAFETY: the cavity is one of this triangulation, which has not changed since.
+        unsafe { cavity.plan(Site::of(self), control) }?;
+        self.reserve_for(cavity, control)?;
+        self.fill_cavity(vertex, cavity, incidence, control)?;
         self.last = cavity.created[cavity.created.len() - 1];
         Ok(())
     }
 
     /// Memory for the star that replaces a cavity, and for the marks of the search after it.
     #[inline]
-    fn reserve_for(&mut self, cavity: &mut Cavity) -> Result<(), Error> {
+    fn reserve_for(&mut self, cavity: &mut Cavity, control: &Control) -> Result<(), Error> {
         let before = self.topology.tets.capacity();
         // The cavity's own places are used again.
-        self.topology.reserve(cavity.faces.len().saturating_sub(cavity.tets.len()))?;
+        let more = cavity.faces.len().saturating_sub(cavity.tets.len());
+        if cavity.planned {
+            self.make_tetrahedra(more, control)?;
+        }
+        self.topology.reserve(more)?;
         let now = self.topology.tets.capacity();
         if now == before {
             return Ok(());
@@ -385,8 +400,8 @@ impl Triangulation {
         self.find_cavity(&filter, point, t, cavity, control).map_err(|_| Unplaced::Cancelled)
     }
 
-    /// Inserts the point that `cavity` was found for.
-    pub(crate) fn insert_into(&mut self, point: DVec3, cavity: &mut Cavity) -> Result<u32, Error> {
+    /// Inserts the point that `cavity` was found for. After an error, that of a cancellation perhaps, all is as it was, but that the cavity is empty.
+    pub(crate) fn insert_into(&mut self, point: DVec3, cavity: &mut Cavity, control: &Control) -> Result<u32, Error> {
         let (vertex, slots) = (self.next_vertex(), self.points.len());
         if vertex as usize >= MAX_VERTICES {
             cavity.clear();
@@ -398,8 +413,9 @@ impl Triangulation {
         }
         self.filter.extend(point);
         self.store(vertex, point);
-        let result = self.commit(vertex, cavity, true);
+        let result = self.commit_or_not(vertex, cavity, control);
         if result.is_err() {
+            cavity.clear();
             self.unstore(vertex, slots);
         }
         result.map(|()| vertex)

@@ -1,14 +1,18 @@
 //! What some insertions change, to take them back: each cavity and what is around it as they were, and what the free lists gave. That is faster than the
-//! removal of the vertices, and cheaper than a copy of a triangulation that is much larger than what comes to it.
+//! removal of the vertices, and cheaper than a copy of a triangulation that is much larger than what comes to it. Once the notes would be so many that going back by them takes
+//! long, a copy of all tetrahedra takes the place of further ones.
 
 use glam::DVec3;
 
 use super::cavity::Cavity;
 use super::lower::ByPoint;
-use super::topology::{slot_of, tet_of, Tetrahedron, GHOST};
+use super::topology::{slot_of, tet_of, Tetrahedron, Topology, GHOST};
 use super::Triangulation;
 use crate::geometry::Filter;
-use crate::{memory, Error};
+use crate::{memory, Control, Error};
+
+/// So many notes of tetrahedra take less than a millisecond to go back by.
+const MANY: usize = if cfg!(test) { 1 << 12 } else { 1 << 17 };
 
 /// The state before, as far as it has changed.
 #[derive(Debug)]
@@ -30,6 +34,8 @@ pub(super) struct Journal {
     lower: Vec<(DVec3, bool)>,
     /// The other points of a plane, if a volume has been spanned.
     by_point: Option<ByPoint>,
+    /// All tetrahedra as they were after what is noted.
+    whole: Option<Topology>,
 }
 
 impl Journal {
@@ -47,17 +53,22 @@ impl Journal {
             taken: Vec::new(),
             lower: Vec::new(),
             by_point: None,
+            whole: None,
         }
     }
 
     /// Notes what the insertion into a cavity will change.
-    pub fn note(&mut self, t: &Triangulation, cavity: &Cavity) -> Result<(), Error> {
-        if self.by_point.is_some() {
+    pub fn note(&mut self, t: &Triangulation, cavity: &Cavity, control: &Control) -> Result<(), Error> {
+        if self.by_point.is_some() || self.whole.is_some() {
             // All tetrahedra will go.
             return Ok(());
         }
         const WHAT: &str = "journal";
         let topology = &t.topology;
+        if self.changed.len() + cavity.tets.len() + cavity.faces.len() > MANY {
+            self.whole = Some(topology.try_clone(0, control)?);
+            return Ok(());
+        }
         let more = cavity.faces.len().saturating_sub(cavity.tets.len());
         let stays = topology.free.len() - more.min(topology.free.len());
         let taken = &topology.free[stays..];
@@ -87,8 +98,18 @@ impl Journal {
         self.by_point = Some(by_point);
     }
 
+    /// Forgets the notes.
+    pub fn end(self, control: &Control) {
+        if let Some(whole) = self.whole {
+            control.give_back(whole);
+        }
+    }
+
     /// Takes all that was noted back.
-    pub fn undo(self, t: &mut Triangulation) {
+    pub fn undo(self, t: &mut Triangulation, control: &Control) {
+        if let Some(whole) = self.whole {
+            control.give_back(std::mem::replace(&mut t.topology, whole));
+        }
         if let Some(by_point) = self.by_point {
             t.topology.clear_tetrahedra();
             t.lower.remember_points(by_point);
@@ -125,8 +146,8 @@ impl Journal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::triangulation::insert::Back;
     use crate::triangulation::topology::NONE;
-    use crate::Control;
 
     fn points(count: usize, seed: u64) -> Vec<DVec3> {
         let coordinate = |i: u64| (super::super::order::splitmix(i) % 23) as f64;
@@ -148,7 +169,7 @@ mod tests {
 
     fn insert(t: &mut Triangulation, list: &[DVec3], journal: &mut Journal) {
         for &p in list {
-            t.insert_as((t.points.len() as u32, p), None, Some(journal), &Control::new()).unwrap();
+            t.insert_as((t.points.len() as u32, p), None, Back::Journal(journal), &Control::new()).unwrap();
         }
     }
 
@@ -167,7 +188,7 @@ mod tests {
             insert(&mut t, &points(150, seed + 1000), &mut journal);
             t.topology.region.iter_mut().for_each(|label| *label += 1);
             assert!(state(&t) != before);
-            journal.undo(&mut t);
+            journal.undo(&mut t, &Control::new());
             assert!(state(&t) == before);
             assert_eq!(t.topology.region.len(), t.topology.tets.len());
             t.validate(3).unwrap();
@@ -186,7 +207,7 @@ mod tests {
             let mut journal = Journal::new(&t);
             insert(&mut t, &[&line[..], &plane[..], &all[..]].concat(), &mut journal);
             assert_eq!(t.dimension(), 3);
-            journal.undo(&mut t);
+            journal.undo(&mut t, &Control::new());
             assert!(state(&t) == before);
             // What duplicates are found by is as it was.
             let again = t.insert_many(&[first, &plane, &all].concat(), &Control::new()).unwrap().unwrap();

@@ -1,18 +1,21 @@
-//! The stars of large cavities, planned ahead. A vertex in the middle of a million others on a sphere gets two million tetrahedra: most of
-//! the work of linking them is done before anything changes, in parts, so that a control can cancel it.
+//! The stars of large cavities, in parts. A vertex in the middle of a million others on a sphere gets two million tetrahedra. How they are linked is
+//! planned before anything changes, then they are written, and a control can cancel both. In the middle of writing they are no triangulation: who may be
+//! cancelled there has [a copy to go back to](super::kept), or gives all of it up.
 //!
 //! The three edges of each of the cavity's faces are sorted, by the [labels](super::labels) of their vertices and in linear time, so that the two faces
 //! at an edge come one after the other.
 
+use super::cavity::Cavity;
 use super::labels::Labels;
 use super::site::Site;
 use super::star::REST;
 use super::topology::{slot_of, tet_of, Tetrahedron, EVEN_REST, GHOST};
+use super::Triangulation;
 use crate::leavings::Leavings;
 use crate::{memory, Control, Error};
 
-/// Faces or edges between two looks at the control.
-const PART: usize = 1 << 12;
+/// Faces, edges or tetrahedra between two looks at the control.
+pub(super) const PART: usize = 1 << 12;
 
 /// An edge of one of the cavity's faces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -106,14 +109,26 @@ impl LargeStar {
         Ok(())
     }
 
-    /// Writes the planned star of vertex `new` to the places in `created`. Returns how many ghosts it has.
+    /// Writes the planned star of vertex `new` to the places in `created`. Returns how many ghosts it has. When the control says stop, some of it is
+    /// written and the rest is not.
     ///
     /// # Safety
     /// The faces are those that it was planned for, and nothing has changed since. Their tetrahedra, those beyond them, and what is at the places are
     /// nobody else's.
-    pub unsafe fn write(&self, site: Site, new: u32, faces: &[u32], created: &[u32]) -> usize {
+    #[cold]
+    pub unsafe fn write(
+        &self,
+        site: Site,
+        new: u32,
+        faces: &[u32],
+        created: &[u32],
+        control: &Control,
+    ) -> Result<usize, Error> {
         debug_assert!(self.planned.len() == faces.len() && created.len() == faces.len());
-        for ((planned, &t), &face) in self.planned.iter().zip(created).zip(faces) {
+        for (i, ((planned, &t), &face)) in self.planned.iter().zip(created).zip(faces).enumerate() {
+            if i % PART == 0 {
+                control.check()?;
+            }
             let slot = slot_of(face);
             let mut tet = *planned;
             tet.v[slot] = new;
@@ -126,7 +141,59 @@ impl LargeStar {
                 site.link(tet.n[slot], 4 * t + slot as u32);
             }
         }
-        self.ghosts
+        Ok(self.ghosts)
+    }
+}
+
+impl Triangulation {
+    /// [`fill_cavity`](Self::fill_cavity) for a planned one. After an error, a cancellation or a lack of memory for lists, tetrahedra and cavity are good
+    /// for nothing any more but to be cleared.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn fill_large(
+        &mut self,
+        new: u32,
+        cavity: &mut Cavity,
+        incidence: bool,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let topology = &mut self.topology;
+        let count = cavity.faces.len();
+        for part in cavity.tets.chunks(PART) {
+            control.check()?;
+            topology.ghosts -= part.iter().filter(|&&t| topology.tets[t as usize].is_ghost()).count();
+        }
+        topology.allocate_within(&cavity.tets, count, &mut cavity.created, control)?;
+        if !topology.region.is_empty() {
+            // Places are used again at once: read the labels before they are written over.
+            let regions = &mut cavity.star.regions;
+            regions.clear();
+            memory::reserve(regions, count, "regions")?;
+            for part in cavity.faces.chunks(PART) {
+                control.check()?;
+                regions.extend(part.iter().map(|&face| topology.region[tet_of(face) as usize]));
+            }
+            for (created, regions) in cavity.created.chunks(PART).zip(regions.chunks(PART)) {
+                control.check()?;
+                created.iter().zip(regions).for_each(|(&t, &region)| topology.region[t as usize] = region);
+            }
+        }
+        // SAFETY: the cavity is one of this triangulation, which has not changed since, and this is its only user.
+        topology.ghosts += unsafe { cavity.fill(Site::new(&mut topology.tets, &self.points), new, control) }?;
+        let unused = &cavity.tets[count.min(cavity.tets.len())..];
+        for part in unused.rchunks(PART) {
+            control.check()?;
+            topology.release(part, 0);
+        }
+        if incidence {
+            for part in cavity.created.chunks(PART) {
+                control.check()?;
+                topology.name_incident(part);
+            }
+            topology.vertex_tet[new as usize] = cavity.created[0];
+        }
+        cavity.clear_lists();
+        Ok(())
     }
 }
 

@@ -12,6 +12,7 @@
 //! | `star` | the cavity replaced |
 //! | `large_star` | a large one, in parts |
 //! | `journal` | insertions taken back |
+//! | `kept` | a large change taken back |
 //! | `locate` | where a point lies |
 //! | `insert` | one point, or a few |
 //! | `bulk` | many points in a spatial order |
@@ -34,6 +35,7 @@ pub mod cavity;
 pub(crate) mod incident;
 mod insert;
 mod journal;
+mod kept;
 mod labels;
 mod large_star;
 mod locate;
@@ -66,7 +68,7 @@ use topology::{Topology, GHOST, NONE};
 pub use insert::Inserted;
 pub(crate) use insert::Unplaced;
 pub use locate::Location;
-pub(crate) use order::try_spatial_order;
+pub(crate) use order::spatial_order;
 pub use validate::Defect;
 
 /// A Delaunay triangulation of points of any dimension.

@@ -68,15 +68,16 @@ impl Round {
     }
 }
 
-/// The positions of `points` in the order to insert them.
-pub fn spatial_order(points: &[DVec3]) -> Vec<u32> {
-    try_spatial_order(points, Control::never()).unwrap_or_else(|_| (0..points.len() as u32).collect())
-}
-
-/// [`spatial_order`], unless memory is lacking or the control says stop.
-pub fn try_spatial_order(points: &[DVec3], control: &Control) -> Result<Vec<u32>, Error> {
+/// The positions of `points` in the order to insert them, unless memory is lacking or the control says stop.
+pub fn spatial_order(points: &[DVec3], control: &Control) -> Result<Vec<u32>, Error> {
     let SpatialOrder { order, rounds, .. } = SpatialOrder::new(points, 1, control)?;
-    Ok(rounds.iter().flat_map(Round::vertices).map(|i| order[i as usize]).collect())
+    let turns = control.turns();
+    let mut all = memory::room_in_pieces(points.len(), "order", control)?;
+    for i in rounds.iter().flat_map(Round::vertices) {
+        turns.check()?;
+        all.push(order[i as usize]);
+    }
+    Ok(all.keep())
 }
 
 impl SpatialOrder {
@@ -348,14 +349,14 @@ mod tests {
     #[test]
     fn the_order_is_a_permutation_with_growing_rounds() {
         let points: Vec<DVec3> = (0..20_000).map(|i| DVec3::new((i % 37) as f64, (i % 101) as f64, i as f64)).collect();
-        let mut order = spatial_order(&points);
+        let mut order = spatial_order(&points, &Control::new()).unwrap();
         assert_eq!(order.len(), points.len());
         order.sort_unstable();
         assert!(order.into_iter().eq(0..20_000));
         let limits = round_limits(20_000);
         assert_eq!(limits.len(), 2);
         assert!((limits[0] * 7.5 - limits[1]).abs() < 1e-15);
-        assert!(spatial_order(&[]).is_empty());
+        assert!(spatial_order(&[], &Control::new()).unwrap().is_empty());
         let SpatialOrder { order, rounds, .. } = SpatialOrder::new(&points, 1, &Control::new()).unwrap();
         assert_eq!(rounds.len(), 3);
         assert!(rounds.iter().all(|round| round.zone.is_empty() && round.rest.is_sorted()));
@@ -377,6 +378,6 @@ mod tests {
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..100_000));
 
-        assert_eq!(spatial_order(&[DVec3::ONE; 3]), [0, 1, 2]);
+        assert_eq!(spatial_order(&[DVec3::ONE; 3], &Control::new()).unwrap(), [0, 1, 2]);
     }
 }

@@ -226,7 +226,11 @@ impl Pass<'_> {
                     outcome.put_off.push((vertex, t));
                     continue;
                 }
-                outcome.ghosts += cavity.fill(site, vertex) as isize;
+                let Ok(ghosts) = cavity.fill(site, vertex, self.control) else {
+                    outcome.stopped = true;
+                    return outcome;
+                };
+                outcome.ghosts += ghosts as isize;
                 for &t in cavity.tets.iter().skip(cavity.faces.len()).rev() {
                     site.put(t, Tetrahedron::DEAD);
                     outcome.places.free.push(t);
@@ -239,7 +243,7 @@ impl Pass<'_> {
         outcome
     }
 
-    /// Finds places for the star that replaces the cavity; `false` where there are not enough.
+    /// Finds places for the star that replaces the cavity; `false` where there are not enough, or the control says stop.
     ///
     /// # Safety
     /// The cavity's tetrahedra are live and belong to the territory.
@@ -249,6 +253,9 @@ impl Pass<'_> {
         let places = &mut outcome.places;
         let more = faces.len().saturating_sub(tets.len());
         while places.end - places.next + places.free.len() < more {
+            if !self.control.poll() {
+                return false;
+            }
             // The rest of the chunk joins the free places, the lowest to be used first.
             for t in (places.next..places.end).rev() {
                 // SAFETY: places of this territory.
@@ -269,9 +276,14 @@ impl Pass<'_> {
             }));
         }
         if labels.has_ghost() {
-            // SAFETY: the caller's promise.
-            let ghosts = tets.iter().filter(|&&t| unsafe { self.site.tet(t) }.is_ghost()).count();
-            outcome.ghosts -= ghosts as isize;
+            for part in tets.chunks(CHUNK) {
+                // SAFETY: the caller's promise.
+                let ghosts = part.iter().filter(|&&t| unsafe { self.site.tet(t) }.is_ghost()).count();
+                outcome.ghosts -= ghosts as isize;
+                if !self.control.poll() {
+                    return false;
+                }
+            }
         }
         true
     }

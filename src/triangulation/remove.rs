@@ -12,6 +12,7 @@
 
 mod certify;
 mod faces;
+mod replace;
 
 use glam::DVec3;
 
@@ -19,14 +20,13 @@ pub use certify::{Guess, Linked};
 use faces::{oriented_face, rotated, FaceTable};
 
 use super::cavity::Cavity;
-use super::lower::Lower;
 use super::order::spatial_order;
-use super::topology::{slot_of, tet_of, GHOST, MAX_VERTICES, NONE};
+use super::topology::{slot_of, tet_of, GHOST, NONE};
 use super::Triangulation;
 use crate::domain::label::OUTSIDE;
 use crate::geometry::predicates::{collinear, orient3d};
 use crate::geometry::{check_range, Filter, Sign};
-use crate::leavings::{InPieces, Leavings};
+use crate::leavings::Leavings;
 use crate::{memory, Control, Error};
 
 /// Vertices that go, and a point that comes in their place.
@@ -128,9 +128,7 @@ impl Hole {
 
     /// Forgets what was found; its memory stays for the next time.
     pub fn clear(&mut self) {
-        for going in &self.going {
-            self.marks[going.t as usize] = 0;
-        }
+        memory::reset_at(&mut self.marks, 0, self.going.iter().map(|going| going.t));
         self.going.clear();
         self.coming.clear();
         self.remove.clear();
@@ -157,10 +155,8 @@ impl Hole {
 
     /// Forgets the numbers in the small triangulation.
     fn forget_numbers(&mut self) {
-        for &v in self.remove.iter().chain(&self.vertices) {
-            if let Some(local) = self.local.get_mut(v as usize) {
-                *local = NONE;
-            }
+        for list in [&self.remove, &self.vertices] {
+            memory::reset_at(&mut self.local, NONE, list.iter().copied());
         }
         self.vertices.clear();
     }
@@ -191,13 +187,15 @@ impl Triangulation {
         self.remove_within(vertex, Control::never())
     }
 
-    /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed. It is not looked at any more once what fills
-    /// the hole is known and is put there, which takes about a tenth of a microsecond a tetrahedron.
+    /// [`remove`](Self::remove) that a control can cancel: [`Error::Cancelled`], and nothing has changed.
     pub fn remove_within(&mut self, vertex: u32, control: &Control) -> Result<(), Error> {
         control.check()?;
         let mut hole = self.hole.0.take().unwrap_or_default();
-        let result = self
-            .preview_while(&|| control.poll(), &Replacement { remove: &[vertex], add: None }, &|_| false, &mut hole)
+        let result = hole
+            .grow_for(self, control)
+            .and_then(|()| {
+                self.preview_within(&Replacement { remove: &[vertex], add: None }, &|_| false, &mut hole, control)
+            })
             .and_then(|()| self.replace_within(&mut hole, control).map(|_| ()));
         self.hole.0 = Some(hole);
         result
@@ -217,19 +215,19 @@ impl Triangulation {
         is_wall: &dyn Fn([u32; 3]) -> bool,
         hole: &mut Hole,
     ) -> Result<(), Error> {
-        self.preview_while(&|| true, replacement, is_wall, hole)
+        self.preview_within(replacement, is_wall, hole, Control::never())
     }
 
-    /// [`preview`](Self::preview) that asks now and then whether it shall go on.
-    fn preview_while(
+    /// [`preview`](Self::preview) that a control can cancel: [`Error::Cancelled`].
+    fn preview_within(
         &self,
-        go_on: &dyn Fn() -> bool,
         replacement: &Replacement,
         is_wall: &dyn Fn([u32; 3]) -> bool,
         hole: &mut Hole,
+        control: &Control,
     ) -> Result<(), Error> {
         self.begin_hole(replacement, hole)?;
-        let result = self.fill(go_on, is_wall, hole);
+        let result = self.fill(is_wall, hole, control);
         hole.forget_numbers();
         if result.is_err() {
             hole.clear();
@@ -262,7 +260,7 @@ impl Triangulation {
         Ok(())
     }
 
-    fn fill(&self, go_on: &dyn Fn() -> bool, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) -> Result<(), Error> {
+    fn fill(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole, control: &Control) -> Result<(), Error> {
         if self.dimension() < 3 {
             hole.flat = true;
             return match hole.add.and_then(|p| self.lower.find(p)) {
@@ -270,21 +268,21 @@ impl Triangulation {
                 _ => Ok(()),
             };
         }
-        self.find_stars(go_on, hole)?;
+        self.find_stars(hole, control)?;
         if let Some(p) = hole.add {
-            self.find_new_cavity(p, hole)?;
+            self.find_new_cavity(p, hole, control)?;
         }
         if hole.going.is_empty() {
             return Ok(());
         }
-        self.find_faces(hole, go_on)?;
-        if self.triangulate_vertices(go_on, hole)? {
-            self.flood(go_on, hole)?;
-            self.label_coming(is_wall, hole);
+        self.find_faces(hole, control)?;
+        if self.triangulate_vertices(hole, control)? {
+            self.flood(hole, control)?;
+            self.label_coming(is_wall, hole, control)?;
         } else {
             hole.flat = true;
             for (turn, t) in self.topology.live().enumerate() {
-                look(turn, go_on)?;
+                look(turn, control)?;
                 if !hole.contains(t) {
                     hole.take(t, self.topology.tet(t).v);
                 }
@@ -294,7 +292,7 @@ impl Triangulation {
     }
 
     /// The stars of the vertices that go.
-    fn find_stars(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<(), Error> {
+    fn find_stars(&self, hole: &mut Hole, control: &Control) -> Result<(), Error> {
         for i in 0..hole.remove.len() {
             let t = self.topology.vertex_tet[hole.remove[i] as usize];
             if hole.contains(t) {
@@ -305,7 +303,7 @@ impl Triangulation {
             while next < hole.going.len() {
                 let tet = self.topology.tet(hole.going[next].t);
                 next += 1;
-                look(next, go_on)?;
+                look(next, control)?;
                 for face in tet.n {
                     let t = tet_of(face);
                     let v = self.topology.tet(t).v;
@@ -320,11 +318,11 @@ impl Triangulation {
     }
 
     /// The tetrahedra in conflict with the new point, to those that go already.
-    fn find_new_cavity(&self, p: DVec3, hole: &mut Hole) -> Result<(), Error> {
+    fn find_new_cavity(&self, p: DVec3, hole: &mut Hole, control: &Control) -> Result<(), Error> {
         let mut filter = self.filter.clone();
         filter.extend(p);
         let start = hole.going.first().map_or(self.last, |going| going.t);
-        let t = self.walk_with(&filter, p, start);
+        let t = self.walk_within(&filter, p, start, control)?;
         match self.vertex_at(t, p) {
             // Then no tetrahedron but its own is in conflict.
             Some(vertex) if hole.local[vertex as usize] == REMOVED => return Ok(()),
@@ -332,8 +330,9 @@ impl Triangulation {
             None => {}
         }
         let mut cavity = std::mem::take(&mut hole.cavity);
-        self.find_cavity(&filter, p, t, &mut cavity, Control::never())?;
-        for &t in &cavity.tets {
+        self.find_cavity(&filter, p, t, &mut cavity, control)?;
+        for (turn, &t) in cavity.tets.iter().enumerate() {
+            look(turn, control)?;
             if !hole.contains(t) {
                 hole.take(t, self.topology.tet(t).v);
             }
@@ -344,14 +343,14 @@ impl Triangulation {
     }
 
     /// Numbers the hole's vertices, and finds its faces.
-    fn find_faces(&self, hole: &mut Hole, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
+    fn find_faces(&self, hole: &mut Hole, control: &Control) -> Result<(), Error> {
         if hole.add.is_some() {
             hole.vertices.push(ADDED);
         }
         hole.by_vertices.clear();
         for i in 0..hole.going.len() {
             let Going { t, v } = hole.going[i];
-            look(i + 1, go_on)?;
+            look(i + 1, control)?;
             hole.number(v);
             for (slot, &outside) in self.topology.tet(t).n.iter().enumerate() {
                 if hole.contains(tet_of(outside)) {
@@ -363,7 +362,7 @@ impl Triangulation {
                 hole.faces.push(self.hole_face(t, outside));
             }
         }
-        hole.by_vertices.index(go_on)
+        hole.by_vertices.index(control)
     }
 
     /// The face between a tetrahedron that goes and one outside.
@@ -374,45 +373,51 @@ impl Triangulation {
     }
 
     /// Makes the triangulation of the hole's vertices. False when all that is left lies in one plane.
-    fn triangulate_vertices(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<bool, Error> {
+    fn triangulate_vertices(&self, hole: &mut Hole, control: &Control) -> Result<bool, Error> {
         let small = &mut hole.small;
         small.topology.clear_tetrahedra();
         small.topology.vertex_tet.clear();
         small.points.clear();
-        small.points.extend(hole.vertices.iter().map(|&v| match hole.add {
-            Some(p) if v == ADDED => p,
-            _ => self.at(v),
-        }));
-        let basis = independent(&small.points).or_else(|| {
+        small.filter = Filter::default();
+        for part in hole.vertices.chunks(POLL_INTERVAL) {
+            control.check()?;
+            let start = small.points.len();
+            small.points.extend(part.iter().map(|&v| match hole.add {
+                Some(p) if v == ADDED => p,
+                _ => self.at(v),
+            }));
+            small.filter.extend_all(&small.points[start..]);
+        }
+        let mut basis = independent(&small.points, control)?;
+        if basis.is_none() {
             // In one plane. If all the rest lies in it too, no finite tetrahedron is left, so none is beside the hole.
             let beyond = |face: &HoleFace| {
                 let tet = self.topology.tet(tet_of(face.outside));
                 (!tet.is_ghost()).then(|| tet.v[slot_of(face.outside)])
             };
-            let v = hole.faces.iter().find_map(beyond)?;
+            let Some(v) = hole.faces.iter().find_map(beyond) else { return Ok(false) };
             hole.vertices.push(v);
             small.points.push(self.at(v));
-            independent(&small.points)
-        });
+            small.filter.extend(self.at(v));
+            basis = independent(&small.points, control)?;
+        }
         let Some(basis) = basis else { return Ok(false) };
-        small.topology.vertex_tet.resize(small.points.len(), NONE);
-        small.filter = Filter::for_points(&small.points);
+        memory::lengthen(&mut small.topology.vertex_tet, small.points.len(), NONE, "vertices", control)?;
         small.start_from(basis);
-        let order = if small.points.len() < SORTED { Vec::new() } else { spatial_order(&small.points) };
+        let order = if small.points.len() < SORTED { Vec::new() } else { spatial_order(&small.points, control)? };
         for i in 0..small.points.len() {
             let v = order.get(i).copied().unwrap_or(i as u32);
-            if !go_on() {
-                return Err(Error::Cancelled);
-            }
+            control.check()?;
             if !basis.contains(&v) {
-                small.insert_stored(v, small.last)?;
+                small.room_ahead(control)?;
+                small.insert_stored(v, small.last, control)?;
             }
         }
         Ok(true)
     }
 
     /// Finds the small triangulation's tetrahedra inside the hole.
-    fn flood(&self, go_on: &dyn Fn() -> bool, hole: &mut Hole) -> Result<(), Error> {
+    fn flood(&self, hole: &mut Hole, control: &Control) -> Result<(), Error> {
         let Hole { small, faces, by_vertices, coming, vertices, number, .. } = hole;
         let small = &small.topology;
         let global = |v: u32| if v == GHOST { GHOST } else { vertices[v as usize] };
@@ -420,11 +425,12 @@ impl Triangulation {
         let face_at = |t: u32, slot: usize| by_vertices.find(rotated(oriented_face(&small.tet(t).v, slot)));
         // By small tetrahedron: its position among the coming.
         number.clear();
-        number.resize(small.tets.len(), NONE);
+        memory::lengthen(number, small.tets.len(), NONE, "hole", control)?;
         // Without faces the hole is everything.
         let everything = faces.is_empty();
         let (mut found, mut next) = (0, 0);
-        for seed in small.live() {
+        for (turn, seed) in small.live().enumerate() {
+            look(turn, control)?;
             if found == faces.len() && !everything {
                 break;
             }
@@ -434,7 +440,7 @@ impl Triangulation {
             number[seed as usize] = coming.len() as u32;
             coming.push(bare(seed));
             while next < coming.len() {
-                look(next + 1, go_on)?;
+                look(next + 1, control)?;
                 let t = coming[next].small;
                 for slot in 0..4 {
                     if let Some(face) = face_at(t, slot) {
@@ -459,14 +465,21 @@ impl Triangulation {
     }
 
     /// Spreads the labels from the hole's faces among what comes.
-    fn label_coming(&self, is_wall: &dyn Fn([u32; 3]) -> bool, hole: &mut Hole) {
+    fn label_coming(
+        &self,
+        is_wall: &dyn Fn([u32; 3]) -> bool,
+        hole: &mut Hole,
+        control: &Control,
+    ) -> Result<(), Error> {
         if self.topology.region.is_empty() {
-            return;
+            return Ok(());
         }
+        let turns = control.turns();
         let Hole { faces, coming, number, part, .. } = hole;
         number.clear();
-        number.resize(coming.len(), 0);
+        memory::lengthen(number, coming.len(), 0, "hole", control)?;
         for seed in 0..coming.len() {
+            turns.check()?;
             if number[seed] != 0 {
                 continue;
             }
@@ -482,6 +495,7 @@ impl Triangulation {
             while next < part.len() {
                 let tet = coming[part[next] as usize];
                 next += 1;
+                turns.check()?;
                 for slot in 0..4 {
                     let n = tet.n[slot];
                     if tet.rim >> slot & 1 != 0 {
@@ -501,9 +515,11 @@ impl Triangulation {
                 }
             }
             for &i in part.iter() {
+                turns.check()?;
                 coming[i as usize].label = label.filter(|_| agree);
             }
         }
+        Ok(())
     }
 
     /// The corners of a tetrahedron that would come; none of a ghost.
@@ -519,129 +535,13 @@ impl Triangulation {
             _ => &self.points[v as usize],
         }
     }
-
-    /// Does what the last [`preview`](Self::preview) in `hole` found. Returns the new point's vertex. After an error nothing has changed;
-    /// the hole is empty in any case.
-    ///
-    /// # Panics
-    /// When the triangulation has changed since the preview, before anything else is changed.
-    pub fn replace(&mut self, hole: &mut Hole) -> Result<Option<u32>, Error> {
-        self.replace_within(hole, Control::never())
-    }
-
-    /// [`replace`](Self::replace) that the control can cancel before it begins with changes.
-    fn replace_within(&mut self, hole: &mut Hole, control: &Control) -> Result<Option<u32>, Error> {
-        let is_there = |going: &Going| self.topology.tets.get(going.t as usize).is_some_and(|tet| tet.v == going.v);
-        assert!(
-            hole.remove.iter().all(|&v| self.is_vertex(v)) && hole.going.iter().all(is_there),
-            "the triangulation has changed since the preview"
-        );
-        let requested = self.points.len() + usize::from(hole.add.is_some());
-        if requested > MAX_VERTICES || !self.topology.has_room(hole.coming.len()) {
-            hole.clear();
-            return Err(Error::TooManyVertices { requested, limit: MAX_VERTICES });
-        }
-        hole.created.clear();
-        if hole.flat {
-            return self.replace_flat(hole, control);
-        }
-        let new = hole.add.map(|p| {
-            let new = self.next_vertex();
-            self.filter.extend(p);
-            self.store(new, p);
-            new
-        });
-        self.fill_hole(new.unwrap_or(NONE), hole);
-        for &v in &hole.remove {
-            self.free_vertex(v);
-        }
-        if let Some(&t) = hole.created.last() {
-            self.last = t;
-        }
-        hole.clear();
-        Ok(new)
-    }
-
-    fn fill_hole(&mut self, new: u32, hole: &mut Hole) {
-        let topology = &mut self.topology;
-        let labelled = !topology.region.is_empty();
-        let first = hole.going.iter().find(|going| going.v[3] != GHOST);
-        let any_label = first.filter(|_| labelled).map_or(OUTSIDE, |going| topology.region[going.t as usize]);
-        // Last destroyed is first reused.
-        for going in hole.going.iter().rev() {
-            topology.destroy(going.t);
-        }
-        for coming in &hole.coming {
-            hole.created.push(topology.create(coming.v.map(|v| if v == ADDED { new } else { v })));
-        }
-        for (coming, &t) in hole.coming.iter().zip(&hole.created) {
-            for (slot, n) in coming.n.into_iter().enumerate() {
-                if coming.rim >> slot & 1 != 0 {
-                    topology.join(4 * t + slot as u32, hole.faces[n as usize].outside);
-                } else {
-                    topology.tets[t as usize].n[slot] = 4 * hole.created[tet_of(n) as usize] + slot_of(n) as u32;
-                }
-            }
-            for v in topology.tet(t).v {
-                if v != GHOST {
-                    topology.vertex_tet[v as usize] = t;
-                }
-            }
-            if labelled {
-                topology.region[t as usize] = coming.label.unwrap_or(any_label);
-            }
-        }
-    }
-
-    /// [`replace`](Self::replace) where no tetrahedron is left, or was any.
-    fn replace_flat(&mut self, hole: &mut Hole, control: &Control) -> Result<Option<u32>, Error> {
-        let mut anew = None;
-        if self.dimension() == 3 || hole.remove.iter().any(|&v| self.lower.rests_on(v)) {
-            match self.lower_without(&hole.remove, control) {
-                Ok(found) => anew = Some(found),
-                Err(error) => {
-                    hole.clear();
-                    return Err(error);
-                }
-            }
-        }
-        for &v in &hole.remove {
-            if anew.is_none() {
-                self.lower.remove(self.at(v));
-            }
-            self.free_vertex(v);
-        }
-        if let Some((lower, filter)) = anew {
-            self.topology.clear_tetrahedra();
-            control.give_back(std::mem::replace(&mut self.lower, lower));
-            self.filter = filter;
-        }
-        let add = hole.add;
-        hole.clear();
-        add.map(|p| Ok(self.insert(p, None)?.vertex)).transpose()
-    }
-
-    /// The state below dimension 3 of all vertices but these, which span no volume, and their filter.
-    pub(super) fn lower_without(&self, removed: &[u32], control: &Control) -> Result<(Lower, Filter), Error> {
-        let mut removed = removed.to_vec();
-        removed.sort_unstable();
-        let (mut lower, mut filter) = (InPieces::new(Lower::default(), control), Filter::default());
-        for (turn, v) in self.vertices().filter(|v| removed.binary_search(v).is_err()).enumerate() {
-            look(turn, &|| control.poll())?;
-            let p = self.at(v);
-            filter.extend(p);
-            let basis = lower.add(v, p, &self.points);
-            debug_assert!(basis.is_none());
-        }
-        Ok((lower.keep(), filter))
-    }
 }
 
 /// [`Error::Cancelled`] when it is a turn to ask whether to go on, and the answer is no.
 #[inline]
-fn look(turn: usize, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
-    if turn % POLL_INTERVAL == POLL_INTERVAL - 1 && !go_on() {
-        return Err(Error::Cancelled);
+fn look(turn: usize, control: &Control) -> Result<(), Error> {
+    if turn % POLL_INTERVAL == POLL_INTERVAL - 1 {
+        return control.check();
     }
     Ok(())
 }
@@ -666,12 +566,16 @@ impl Leavings for Hole {
     }
 }
 
-/// Four points that span a volume.
-fn independent(points: &[DVec3]) -> Option<[u32; 4]> {
-    let (&a, &b) = (points.first()?, points.get(1)?);
-    let c = (2..points.len()).find(|&c| !collinear(a, b, points[c]))?;
-    let d = (c + 1..points.len()).find(|&d| orient3d(a, b, points[c], points[d]) != Sign::Zero)?;
-    Some([0, 1, c as u32, d as u32])
+/// Four points that span a volume, if there are such.
+fn independent(points: &[DVec3], control: &Control) -> Result<Option<[u32; 4]>, Error> {
+    let [a, b, ..] = *points else { return Ok(None) };
+    let turns = control.turns();
+    let goes_on = |_: &usize| turns.go_on();
+    let c = (2..points.len()).take_while(goes_on).find(|&c| !collinear(a, b, points[c]));
+    let beyond = |c: usize, d: usize| orient3d(a, b, points[c], points[d]) != Sign::Zero;
+    let d = c.and_then(|c| (c + 1..points.len()).take_while(goes_on).find(|&d| beyond(c, d)));
+    turns.end()?;
+    Ok(c.zip(d).map(|(c, d)| [0, 1, c as u32, d as u32]))
 }
 
 #[cfg(test)]

@@ -45,7 +45,13 @@ impl Triangulation {
     }
 
     fn make_tetrahedra_ahead(&mut self, control: &Control) -> Result<(), Error> {
-        let more = AHEAD.saturating_sub(self.topology.free.len());
+        self.make_tetrahedra(AHEAD, control)
+    }
+
+    /// Room for so many more tetrahedra, if they are not there yet.
+    #[cold]
+    pub(super) fn make_tetrahedra(&mut self, count: usize, control: &Control) -> Result<(), Error> {
+        let more = count.saturating_sub(self.topology.free.len());
         memory::grow(&mut self.topology.tets, more, "tetrahedra", control)?;
         if !self.topology.region.is_empty() {
             memory::grow(&mut self.topology.region, more, "regions", control)?;

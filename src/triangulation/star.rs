@@ -11,7 +11,7 @@ use super::cavity::Cavity;
 use super::labels::{Labels, ALIGNMENT};
 use super::large_star::LargeStar;
 use super::site::Site;
-use super::topology::{slot_of, tet_of, GHOST, NONE};
+use super::topology::{slot_of, tet_of, NONE};
 use super::Triangulation;
 use crate::{Control, Error};
 
@@ -38,7 +38,7 @@ pub(super) struct StarBuilder {
     /// For larger ones.
     pub(super) large: LargeStar,
     /// Those of what a new tetrahedron comes from.
-    regions: Vec<u16>,
+    pub(super) regions: Vec<u16>,
 }
 
 /// Table sizes: most cavities have fewer than 32 vertices.
@@ -52,9 +52,19 @@ const fn faces_of(vertices: usize) -> usize {
 
 impl Triangulation {
     /// Replaces the cavity by the star of vertex `new`, whose point is in place. `cavity.created` names the new tetrahedra.
-    /// Without `incidence`, `vertex_tet` is left for later. What [`Cavity::plan`] plans is planned.
+    /// Without `incidence`, `vertex_tet` is left for later. What [`Cavity::plan`] plans is planned. Only where it was planned the control
+    /// [is looked at](Self::fill_large).
     #[inline]
-    pub(super) fn fill_cavity(&mut self, new: u32, cavity: &mut Cavity, incidence: bool) {
+    pub(super) fn fill_cavity(
+        &mut self,
+        new: u32,
+        cavity: &mut Cavity,
+        incidence: bool,
+        control: &Control,
+    ) -> Result<(), Error> {
+        if cavity.planned {
+            return self.fill_large(new, cavity, incidence, control);
+        }
         let topology = &mut self.topology;
         let count = cavity.faces.len();
         if cavity.labels.has_ghost() {
@@ -71,19 +81,14 @@ impl Triangulation {
             }
         }
         // SAFETY: the cavity is one of this triangulation, which has not changed since, and this is its only user.
-        topology.ghosts += unsafe { cavity.fill(Site::new(&mut topology.tets, &self.points), new) };
+        topology.ghosts += unsafe { cavity.fill(Site::new(&mut topology.tets, &self.points), new, control) }?;
         topology.release(&cavity.tets, count);
         if incidence {
-            for &t in &cavity.created {
-                for v in topology.tet(t).v {
-                    if v != GHOST {
-                        topology.vertex_tet[v as usize] = t;
-                    }
-                }
-            }
+            topology.name_incident(&cavity.created);
             topology.vertex_tet[new as usize] = cavity.created[0];
         }
         cavity.clear_lists();
+        Ok(())
     }
 }
 
@@ -103,29 +108,28 @@ impl Cavity {
     }
 
     /// Writes the star of vertex `new` to the places that are listed in `created`, one for each of the cavity's faces; the cavity's own places
-    /// come first. Returns how many ghosts it has. The marks are taken back, the lists are not.
+    /// come first. Returns how many ghosts it has. The marks are taken back, the lists are not. Where the control says stop, which only a planned one asks,
+    /// some of the star is written and the rest is not.
     ///
     /// # Safety
     /// The cavity is one of `site` as it is, and [planned](Self::plan). Its tetrahedra, their neighbours, and what is at the places are nobody else's.
     #[inline]
-    pub(super) unsafe fn fill(&mut self, site: Site, new: u32) -> usize {
-        let Cavity { marks, tets, faces, created, star, labels, planned, .. } = self;
+    pub(super) unsafe fn fill(&mut self, site: Site, new: u32, control: &Control) -> Result<usize, Error> {
+        self.unmark();
+        let Cavity { faces, created, star, labels, planned, .. } = self;
         debug_assert_eq!(faces.len(), created.len());
         debug_assert!(*planned || faces.len() <= faces_of(LARGE));
-        for &t in tets.iter() {
-            marks[t as usize] = 0;
-        }
         // SAFETY: the caller's promise.
         unsafe {
             match faces.len() {
                 n if n <= faces_of(SMALL) => build_small(site, new, faces, created, labels),
                 n if n <= faces_of(LARGE) => star.build_large(site, new, faces, created, labels),
-                _ => return star.large.write(site, new, faces, created),
+                _ => return star.large.write(site, new, faces, created, control),
             }
             if !labels.has_ghost() {
-                return 0;
+                return Ok(0);
             }
-            created.iter().filter(|&&t| site.tet(t).is_ghost()).count()
+            Ok(created.iter().filter(|&&t| site.tet(t).is_ghost()).count())
         }
     }
 }

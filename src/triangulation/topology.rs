@@ -249,12 +249,45 @@ impl Topology {
         }
     }
 
+    /// [`allocate`](Self::allocate) in pieces. Where memory is lacking or the control says stop, half of it may be done.
+    pub(super) fn allocate_within(
+        &mut self,
+        old: &[u32],
+        count: usize,
+        slots: &mut Vec<u32>,
+        control: &Control,
+    ) -> Result<(), Error> {
+        const PART: usize = 1 << 12;
+        slots.clear();
+        memory::reserve(slots, count, "star")?;
+        let mut part = Vec::new();
+        while slots.len() < count {
+            control.check()?;
+            let next = &old[slots.len().min(old.len())..];
+            self.allocate(&next[..next.len().min(PART)], PART.min(count - slots.len()), &mut part);
+            slots.extend_from_slice(&part);
+        }
+        Ok(())
+    }
+
     /// Frees those slots that [`allocate`](Self::allocate) had no use for. The first will be the first to be used.
     #[inline]
     pub(super) fn release(&mut self, old: &[u32], used: usize) {
         for &t in old.iter().skip(used).rev() {
             self.tets[t as usize].v = [DEAD; 4];
             self.free.push(t);
+        }
+    }
+
+    /// Has each vertex of these tetrahedra name the last one of them that has it.
+    #[inline]
+    pub(super) fn name_incident(&mut self, tets: &[u32]) {
+        for &t in tets {
+            for v in self.tet(t).v {
+                if v != GHOST {
+                    self.vertex_tet[v as usize] = t;
+                }
+            }
         }
     }
 

@@ -151,20 +151,58 @@ fn an_insertion_with_a_large_cavity_can_be_cancelled_at_every_look() {
     let (control, mut inserted) = (Control::new(), t.clone());
     let looks =
         control.looks(None, || assert_eq!(inserted.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000]))));
-    assert!(looks > 15, "{looks}");
-    // Lists grow in the first of two tries only.
-    for last in 1..=looks {
+    assert!(looks > 30, "{looks}");
+    // Lists grow in the first of two tries only. In the last looks the copy is given back, and nothing more is to be cancelled.
+    let mut last = 0;
+    loop {
+        last += 1;
         let mut t = t.clone();
-        let made = control.looks(Some(last), || {
-            assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(None), "look {last} of {looks}")
-        });
-        assert_eq!(made, last);
+        let mut done = None;
+        let made = control.looks(Some(last), || done = t.insert_many(&[DVec3::ZERO], &control).unwrap());
+        if done.is_some() {
+            break;
+        }
+        // A few of them see that nothing is to be given back now.
+        assert!(made <= last + 8, "{made} of {last}");
         assert_eq!((t.vertex_count(), sorted_tets(&t)), (3000, before.clone()));
         t.validate(2).unwrap();
         assert_eq!(t.insert_many(&[DVec3::ZERO], &control), Ok(Some(vec![3000])));
         assert_eq!(sorted_tets(&t), sorted_tets(&inserted));
     }
+    assert!(last + 5 > looks && last <= looks, "{last} of {looks}");
     inserted.validate(3).unwrap();
+}
+
+/// Some of them one by one, with a journal, more in bulk, on one thread and on two.
+#[test]
+fn insertions_with_a_large_cavity_among_them_can_be_cancelled() {
+    let points = on_a_sphere(3000);
+    let mut t = Triangulation::new();
+    t.insert_many(&points, &Control::new()).unwrap().unwrap();
+    let before = sorted_tets(&t);
+    let near = |count: usize| on_a_sphere(count).into_iter().map(|p| p * 0.9).collect::<Vec<_>>();
+    for (more, threads) in [(near(20), 1), (near(1100), 1), (near(1100), 2)] {
+        let more = [&more[..5], &[DVec3::ZERO], &more[5..], &[DVec3::splat(0.01)]].concat();
+        t.set_threads(threads);
+        let control = Control::new();
+        let mut inserted = t.clone();
+        let looks = control.looks(None, || assert!(inserted.insert_many(&more, &control).unwrap().is_some()));
+        inserted.validate(3).unwrap();
+        for last in (1..looks).step_by(looks / 60 + 1) {
+            let mut t = t.clone();
+            let mut done = None;
+            control.looks(Some(last), || done = t.insert_many(&more, &control).unwrap());
+            if done.is_some() {
+                // All was there, and what was kept is given back.
+                assert!(last + 20 > looks, "{last} of {looks}");
+                continue;
+            }
+            assert_eq!((t.vertex_count(), sorted_tets(&t)), (3000, before.clone()), "look {last} of {looks}");
+            t.validate(2).unwrap();
+            assert!(t.insert_many(&more, &control).unwrap().is_some());
+            assert_eq!(sorted_tets(&t), sorted_tets(&inserted));
+        }
+    }
 }
 
 /// Points in line that two others make tetrahedra of, one beside the other: from one end to the other it is as many steps.
@@ -188,7 +226,7 @@ fn an_insertion_can_be_cancelled_on_a_long_walk() {
     }
     let mut cavity = Cavity::default();
     t.prepare(end, start, &mut cavity, &control).unwrap();
-    let vertex = t.insert_into(end, &mut cavity).unwrap();
+    let vertex = t.insert_into(end, &mut cavity, &Control::new()).unwrap();
     assert_eq!(t.locate(end, Some(0)), crate::Location::Vertex(vertex));
 }
 

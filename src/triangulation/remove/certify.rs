@@ -8,9 +8,9 @@ use super::faces::{oriented_face, same_face};
 use super::{Coming, Going, Hole, HoleFace, Replacement, ADDED, REMOVED};
 use crate::geometry::ball::Ball;
 use crate::geometry::Sign;
-use crate::memory;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST, NONE};
 use crate::triangulation::Triangulation;
+use crate::{memory, Control};
 
 /// A replacement in full, as somebody foresees it: no ghosts.
 #[derive(Clone, Debug, Default)]
@@ -64,15 +64,18 @@ impl Triangulation {
         let fits =
             hole.going.len() == going.len() && self.take_coming(&guess.coming, hole) && self.is_delaunay_in(hole);
         hole.forget_numbers();
+        let fits = fits
+            && match self.only_label(hole) {
+                Some(label) => {
+                    hole.coming.iter_mut().for_each(|coming| coming.label = Some(label));
+                    true
+                }
+                None => self.label_coming(is_wall, hole, Control::never()).is_ok(),
+            };
         if !fits {
             hole.clear();
-            return false;
         }
-        match self.only_label(hole) {
-            Some(label) => hole.coming.iter_mut().for_each(|coming| coming.label = Some(label)),
-            None => self.label_coming(is_wall, hole),
-        }
-        true
+        fits
     }
 
     /// The label of all that goes and of all around it, if there is but one.

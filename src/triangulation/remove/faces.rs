@@ -1,8 +1,8 @@
 //! Faces by their vertices: how the two sides of a hole's faces find each other.
 
-use super::POLL_INTERVAL;
+use super::look;
 use crate::triangulation::topology::NONE;
-use crate::Error;
+use crate::{memory, Control, Error};
 
 /// The vertices of the face opposite a slot, counterclockwise seen from outside.
 #[inline]
@@ -42,14 +42,13 @@ impl FaceTable {
         self.keys.clear();
     }
 
-    /// Makes the table of `keys`, or none: [`Error::Cancelled`] when it shall not go on.
-    pub fn index(&mut self, go_on: &dyn Fn() -> bool) -> Result<(), Error> {
+    /// Makes the table of `keys`, or none: [`Error::Cancelled`] when the control says so.
+    pub fn index(&mut self, control: &Control) -> Result<(), Error> {
         self.slots.clear();
-        self.slots.resize((2 * self.keys.len()).next_power_of_two().max(2), NONE);
+        let count = (2 * self.keys.len()).next_power_of_two().max(2);
+        memory::lengthen(&mut self.slots, count, NONE, "hole", control)?;
         for (i, &key) in self.keys.iter().enumerate() {
-            if i % POLL_INTERVAL == POLL_INTERVAL - 1 && !go_on() {
-                return Err(Error::Cancelled);
-            }
+            look(i, control)?;
             let mut slot = self.first_slot(key);
             while self.slots[slot] != NONE {
                 slot = (slot + 1) & (self.slots.len() - 1);

@@ -245,6 +245,36 @@ fn a_hub_of_high_degree() {
 }
 
 #[test]
+fn the_removal_of_a_hub_can_be_cancelled() {
+    let mut t = Triangulation::new();
+    t.insert_many(&on_a_sphere(3000), &Control::new()).unwrap().unwrap();
+    let hub = t.insert(DVec3::splat(1e-3), None).unwrap().vertex;
+    t.topology.region = vec![3; t.topology.tets.len()];
+    let before = (shape(&t), t.topology.region.clone());
+    let (control, mut removed) = (Control::new(), t.clone());
+    let looks = control.looks(None, || removed.remove_within(hub, &control).unwrap());
+    check(&removed).unwrap();
+    assert!(looks > 3000, "{looks}");
+    // Every step on the way, and each look of the end, where tetrahedra come and go.
+    for last in (1..looks).filter(|last| last % 211 == 0 || last + 80 > looks) {
+        let mut t = t.clone();
+        let mut done = Ok(());
+        let made = control.looks(Some(last), || done = t.remove_within(hub, &control));
+        if done.is_ok() {
+            // The copy is given back.
+            assert!(last + 5 > looks, "{last} of {looks}");
+            continue;
+        }
+        assert_eq!(done, Err(Error::Cancelled));
+        assert!(made <= last + 3, "{made} of {last}");
+        assert_eq!((shape(&t), &t.topology.region), (before.0.clone(), &before.1), "look {last} of {looks}");
+        t.validate(2).unwrap();
+        t.remove(hub).unwrap();
+        assert!(shape(&t) == shape(&removed));
+    }
+}
+
+#[test]
 fn slots_are_used_again() {
     let mut t = whole_grid(5);
     let tets = t.topology.tets.len();
