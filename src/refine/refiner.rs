@@ -237,9 +237,7 @@ impl<'a> Refiner<'a> {
         if !self.boundary.is_empty() {
             self.boundary.grow_for(self.t, control)?;
         }
-        if !self.hole.is_new() {
-            self.hole.grow_for(self.t, control)?;
-        }
+        self.hole.grow_for(self.t, control)?;
         self.sparsifier.as_mut().map_or(Ok(()), |sparsifier| sparsifier.grow_for(self.t, control))
     }
 
@@ -248,6 +246,10 @@ impl<'a> Refiner<'a> {
         /// Places looked at between two looks at the control.
         const BLOCK: usize = 1 << 13;
         self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1, control)?;
+        self.hole.grow_for(self.t, control)?;
+        if let Some(sparsifier) = &mut self.sparsifier {
+            sparsifier.grow_for(self.t, control)?;
+        }
         if self.boundary.lazy {
             self.boundary.forget_waiting();
         } else {

@@ -175,7 +175,8 @@ impl Triangulation {
         };
         let (zone, inner) = if base <= round.rest.len() / FEW_OTHERS {
             // Vertices of before are nobody's.
-            (round.zone.clone(), Partition::of_ids(round.rest.clone(), firsts))
+            let copied = |list: &[u32]| memory::copied(list, "order", control);
+            (copied(&round.zone)?, Partition::of_ids(copied(&round.rest)?, firsts))
         } else {
             // They have ids of any order. The two lists of the round are in order.
             let all = merged([&round.zone, &round.rest], control)?;
@@ -203,7 +204,8 @@ impl Triangulation {
         put_off: &mut Vec<(u32, u32)>,
     ) -> Result<bool, Error> {
         let territories = partition.count();
-        let starts: Vec<Vec<u32>> = (0..territories).map(|i| self.starts_in(partition, i)).collect();
+        let starts = (0..territories).map(|i| self.starts_in(partition, i, progress.control));
+        let starts: Vec<Vec<u32>> = starts.collect::<Result<_, Error>>()?;
         let (room, vertices, control) = (self.topology.tets.capacity(), self.points.len(), progress.control);
         let cavities = &mut helpers.cavities.0;
         cavities.resize_with(helpers.threads.min(territories), Cavity::default);
@@ -231,7 +233,14 @@ impl Triangulation {
             return Ok(false);
         };
         // SAFETY: the outcomes of this pass.
-        let (end, mut free) = unsafe { pass.settle(&outcomes) };
+        let (end, mut free) = match unsafe { pass.settle(&outcomes) } {
+            Ok(settled) => settled,
+            Err(error) => {
+                tets.clear();
+                self.topology.tets = tets;
+                return Err(error);
+            }
+        };
         // SAFETY: settled: all places up to the end have been written.
         unsafe { tets.set_len(end) };
         self.topology.tets = tets;
@@ -255,7 +264,7 @@ impl Triangulation {
     }
 
     /// Tetrahedra near every [`BLOCK`]th point of a territory that have two vertices in it; [`NONE`] where there is none.
-    fn starts_in(&mut self, partition: &Partition, territory: usize) -> Vec<u32> {
+    fn starts_in(&mut self, partition: &Partition, territory: usize, control: &Control) -> Result<Vec<u32>, Error> {
         let own = |v: [u32; 4]| {
             // SAFETY: vertices of a live tetrahedron.
             let bits = unsafe {
@@ -267,13 +276,14 @@ impl Triangulation {
             bits.count_ones() >= 2
         };
         let start_of = |block: &[u32]| {
+            control.check()?;
             for &v in block.iter().step_by(BLOCK / STARTS) {
-                self.last = self.walk(self.at(v), self.last);
+                self.last = self.walk_within(&self.filter, self.at(v), self.last, control)?;
                 if own(self.topology.tet(self.last).v) {
-                    return self.last;
+                    return Ok(self.last);
                 }
             }
-            NONE
+            Ok(NONE)
         };
         partition.pending_in(territory).chunks(BLOCK).map(start_of).collect()
     }
@@ -290,8 +300,12 @@ impl Triangulation {
     ) -> Result<Vec<u32>, Error> {
         let mut new_id = memory::room_in_pieces::<u32>(base + points.len(), "ids", control)?;
         let mut ids = memory::room_in_pieces::<u32>(points.len(), "ids", control)?;
-        new_id.extend(0..base as u32);
-        ids.extend(base as u32..(base + points.len()) as u32);
+        for (list, numbers) in [(&mut new_id, 0..base), (&mut ids, base..base + points.len())] {
+            for start in numbers.clone().step_by(PART) {
+                control.check()?;
+                list.extend(start as u32..numbers.end.min(start + PART) as u32);
+            }
+        }
         self.points.truncate(base);
         if duplicates.is_empty() {
             for (order, points) in order.chunks(PART).zip(points.chunks(PART)) {
@@ -300,7 +314,7 @@ impl Triangulation {
                 self.points.extend(points.iter().map(|&p| p + DVec3::ZERO));
             }
         } else {
-            new_id.resize(base + points.len(), NONE);
+            memory::lengthen(&mut new_id, base + points.len(), NONE, "ids", control)?;
             for (part, order) in order.chunks(PART).enumerate() {
                 control.check()?;
                 for (done, &i) in (part * PART..).zip(order) {

@@ -62,10 +62,4 @@ impl Triangulation {
             _ => Location::Tetrahedron([a, b, c, d]),
         }
     }
-
-    /// [`walk_with`](Self::walk_with) the triangulation's own filter.
-    #[inline]
-    pub(crate) fn walk(&self, p: DVec3, start: u32) -> u32 {
-        self.walk_with(&self.filter, p, start)
-    }
 }

@@ -16,7 +16,7 @@ use super::site::Site;
 use super::territory::Territory;
 use super::topology::{Tetrahedron, MAX_TETRAHEDRA, NONE};
 use crate::geometry::Filter;
-use crate::Control;
+use crate::{Control, Error};
 
 /// Places a chunk.
 const CHUNK: usize = 1024;
@@ -295,11 +295,11 @@ impl Pass<'_> {
     }
 
     /// Settles what is in use now: makes all places up to there dead that nobody took, and returns how many places there are, and the
-    /// free ones among them, the lowest last.
+    /// free ones among them, the lowest last. [`Error::Cancelled`] when the control says so.
     ///
     /// # Safety
     /// The outcomes are those of this pass, which is over.
-    pub unsafe fn settle(&self, outcomes: &[Outcome]) -> (usize, Vec<u32>) {
+    pub unsafe fn settle(&self, outcomes: &[Outcome]) -> Result<(usize, Vec<u32>), Error> {
         let mut end = self.used;
         let mut chunks = 0;
         for (territory, Outcome { places, .. }) in outcomes.iter().enumerate() {
@@ -313,6 +313,7 @@ impl Pass<'_> {
         let mut free = Vec::new();
         for number in (0..chunks).rev() {
             for (territory, Outcome { places, .. }) in outcomes.iter().enumerate().rev() {
+                self.control.check()?;
                 let Some(start) = self.chunk(territory, number) else { continue };
                 let is_open = number + 1 == places.chunks && places.end != 0;
                 let unused = if number >= places.chunks {
@@ -330,8 +331,11 @@ impl Pass<'_> {
             }
         }
         for Outcome { places, .. } in outcomes {
-            free.extend_from_slice(&places.free);
+            for part in places.free.chunks(CHUNK) {
+                self.control.check()?;
+                free.extend_from_slice(part);
+            }
         }
-        (end, free)
+        Ok((end, free))
     }
 }

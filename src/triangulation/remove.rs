@@ -161,11 +161,6 @@ impl Hole {
         self.vertices.clear();
     }
 
-    /// Whether it was never used.
-    pub(crate) fn is_new(&self) -> bool {
-        self.marks.is_empty()
-    }
-
     /// As long as the triangulation has room for tetrahedra and vertices, in pieces, so that no replacement has to do it.
     pub(crate) fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         let (tetrahedra, vertices) = t.room();

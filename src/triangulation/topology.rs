@@ -354,8 +354,6 @@ impl Topology {
     /// stop, half of it may be done.
     pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize, control: &Control) -> Result<(), Error> {
         const PART: usize = 1 << 15;
-        let more = count.saturating_sub(self.vertex_tet.len());
-        memory::reserve(&mut self.vertex_tet, more, "vertices")?;
         // First by old ids, which are neighbours in memory where the vertices are in space. The first of a vertex's tetrahedra counts, whoever
         // comes first, and most of the others need but a look.
         let mut incident = memory::room_in_pieces(new_id.len(), "vertices", control)?;
@@ -385,7 +383,7 @@ impl Topology {
         });
         watch.end()?;
         self.vertex_tet.clear();
-        self.vertex_tet.resize(count, NONE);
+        memory::lengthen(&mut self.vertex_tet, count, NONE, "vertices", control)?;
         for (incident, new_id) in incident.chunks(PART).zip(new_id.chunks(PART)) {
             control.check()?;
             for (t, &v) in incident.iter().zip(new_id) {
