@@ -168,7 +168,8 @@ fn boundaries(count: usize) {
         let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         for (name, sparsify, more) in [(&names[1], Some(Sparsify::Off), 4), (&names[2], None, 100)] {
-            let limits = RefineOptions { max_vertices: mesh.view().points.len() + more, sparsify, ..RefineOptions::default() };
+            let limits =
+                RefineOptions { max_vertices: mesh.view().points.len() + more, sparsify, ..RefineOptions::default() };
             measure(name, 48, fresh, |mesh, control| {
                 mesh.refine(&limits, control).unwrap();
             });
@@ -193,7 +194,8 @@ fn boundaries(count: usize) {
         let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         for (name, sparsify) in [(&names[1], None), (&names[2], Some(Sparsify::Off))] {
-            let limits = RefineOptions { max_vertices: mesh.view().points.len() + 20_000, sparsify, ..RefineOptions::default() };
+            let limits =
+                RefineOptions { max_vertices: mesh.view().points.len() + 20_000, sparsify, ..RefineOptions::default() };
             measure(name, 24, fresh, |mesh, control| {
                 mesh.refine(&limits, control).unwrap();
             });

@@ -31,13 +31,13 @@ fn bit(v: u32) -> u64 {
     1 << (v.wrapping_mul(0x9e37_79b1) >> 26)
 }
 
-/// The bits of the vertices of some faces: tells of most other vertices that they are none of them.
+/// The bits of some vertices: tells of most others that they are none of them.
 #[derive(Clone, Copy)]
 pub(super) struct Corners(u64);
 
 impl Corners {
-    pub fn of(faces: &[[u32; 3]]) -> Corners {
-        Corners(faces.iter().flatten().fold(0, |bits, &v| bits | bit(v)))
+    pub fn of(vertices: impl IntoIterator<Item = u32>) -> Corners {
+        Corners(vertices.into_iter().fold(0, |bits, v| bits | bit(v)))
     }
 
     /// Whether a vertex may be one of them.

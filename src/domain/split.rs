@@ -4,12 +4,11 @@ use glam::DVec3;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, face_keys, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
-use super::elements::Corners;
 use super::facet::{FacetChange, InSpace};
-use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{slot_of, tet_of, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::Triangulation;
+use crate::{Control, Error};
 
 impl Boundary {
     /// Where to split a subsegment.
@@ -58,29 +57,18 @@ impl Boundary {
         }
     }
 
-    /// Replaces subsegment `edge` by its two parts at vertex `new`, takes over what
-    /// [`plan_on_segment`](Self::plan_on_segment) planned, and queues what of the new elements is missing or encroached.
-    /// `star` are the tetrahedra at `new`.
-    pub(crate) fn segment_changed(
-        &mut self,
-        t: &mut Triangulation,
-        edge: [u32; 2],
-        new: u32,
-        changes: &[(u32, FacetChange)],
-        star: &[u32],
-        demand: Demand,
-    ) {
+    /// Replaces subsegment `edge` by its two parts at vertex `new`, and takes over what
+    /// [`plan_on_segment`](Self::plan_on_segment) planned.
+    pub(crate) fn segment_changed(&mut self, edge: [u32; 2], new: u32, changes: &[(u32, FacetChange)]) {
         let key = edge_key(edge);
         let Some(segment) = self.subsegments.remove(&key) else { return };
-        let parts = key.map(|end| edge_key([end, new]));
-        for part in parts {
+        for part in key.map(|end| edge_key([end, new])) {
             debug_assert!(!self.subsegments.contains_key(&part), "a subsegment of two segments");
             self.subsegments.insert(part, segment);
         }
         self.put_on(new, segment);
-        self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {
-            self.facet_changed(t, new, *facet, change, star, demand);
+            self.facet_changed(new, *facet, change);
         }
     }
 
@@ -146,21 +134,6 @@ impl Boundary {
         keys.windows(2).any(|pair| pair[0] == pair[1])
     }
 
-    /// Takes over what changed in a facet, once the vertex is in the triangulation.
-    pub(crate) fn facet_changed(
-        &mut self,
-        t: &mut Triangulation,
-        new: u32,
-        facet: u32,
-        change: &FacetChange,
-        star: &[u32],
-        demand: Demand,
-    ) {
-        self.replace_subfacets(facet, new, change);
-        self.enqueue_new(t, new, star, &[], &change.created, demand);
-        t.relabel_flat(new, &change.removed, star);
-    }
-
     /// How a vertex stands on the boundary before the split of `edge` or of a subfacet at it, with these changes.
     pub(crate) fn standing(&self, vertex: u32, edge: Option<[u32; 2]>, changes: &[(u32, FacetChange)]) -> Standing {
         let parts = edge.into_iter().flat_map(|[a, b]| [[a, b], [a, vertex], [vertex, b]].map(edge_key));
@@ -200,7 +173,8 @@ impl Boundary {
         }
     }
 
-    fn replace_subfacets(&mut self, facet: u32, new: u32, change: &FacetChange) {
+    /// Takes over what changed in a facet, once the vertex is in the triangulation.
+    pub(crate) fn facet_changed(&mut self, new: u32, facet: u32, change: &FacetChange) {
         for &face in &change.removed {
             self.subfacets.remove(&face_key(face));
         }
@@ -224,28 +198,8 @@ impl Triangulation {
         }
     }
 
-    /// A tetrahedron with this face, finite if there is one.
-    pub(crate) fn face_tetrahedron(&self, face: [u32; 3]) -> Option<u32> {
-        self.find_face(face).map(|handle| self.finite_at(tet_of(handle)))
-    }
-
-    /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now
-    /// lies beside the facet, and the flat tetrahedron between them has come to the other side of it.
-    fn relabel_flat(&mut self, new: u32, removed: &[[u32; 3]], star: &[u32]) {
-        if self.topology.region.is_empty() {
-            return;
-        }
-        // Few faces of the star have vertices of them only.
-        let corners = Corners::of(removed);
-        let removed = face_keys(removed);
-        for &t in star {
-            let tet = *self.topology.tet(t);
-            let Some(slot) = tet.slot(new) else { continue };
-            let face = tet.face(slot);
-            let may_be = face.into_iter().all(|v| v != GHOST && corners.may_have(v));
-            if may_be && removed.binary_search(&face_key(face)).is_ok() {
-                self.topology.region[t as usize] = self.topology.region[tet_of(tet.n[slot]) as usize];
-            }
-        }
+    /// A tetrahedron with this face, finite if there is one; [`Error::Cancelled`] when the control says stop.
+    pub(crate) fn face_tetrahedron_within(&self, face: [u32; 3], control: &Control) -> Result<Option<u32>, Error> {
+        Ok(self.find_face_within(face, control)?.map(|handle| self.finite_at(tet_of(handle))))
     }
 }

@@ -76,6 +76,8 @@ pub struct Refiner<'a> {
     link: Vec<u32>,
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
     watching: bool,
+    /// A cancellation has left out a part of what was to be queued: the call must end, whatever the control says later.
+    is_cut_short: bool,
     /// Why tetrahedra were left as they are; some of them may have gone since.
     pub reasons: PartedMap<[u32; 4], Unrefined>,
     /// What is demanded of the splits that the tetrahedron in hand asks for.
@@ -107,6 +109,8 @@ pub struct Refiner<'a> {
 
 /// So many vertices around a sample are looked through for partners: of a larger star nothing could be made.
 pub(super) const MANY: usize = 1024;
+/// Tetrahedra that are looked at between two looks at the control.
+const WATCHED: usize = 1 << 12;
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
 
@@ -134,6 +138,7 @@ impl<'a> Refiner<'a> {
             arcs: Vec::new(),
             link: Vec::new(),
             watching: false,
+            is_cut_short: false,
             reasons: PartedMap::default(),
             demand: Demand::NONE,
             progress: 0.0,
@@ -210,7 +215,7 @@ impl<'a> Refiner<'a> {
             control.poll()
         };
         *turns += 1;
-        if !go_on {
+        if !go_on || self.is_cut_short {
             return Ok(Some(RefineStatus::Cancelled));
         }
         if open == 0 {
@@ -281,6 +286,7 @@ impl<'a> Refiner<'a> {
 
     /// Gives its memory back.
     pub fn give_back_to(&mut self, control: &Control) {
+        self.forget_records();
         control.give_back(std::mem::take(&mut self.queue));
         control.give_back(std::mem::take(&mut self.cavity));
         control.give_back(std::mem::take(&mut self.hole));
@@ -617,7 +623,16 @@ impl<'a> Refiner<'a> {
         if !self.watching {
             return Ok(());
         }
-        watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied())
+        let Refiner { t, queue, radius_edge, cavity, control, .. } = self;
+        for (i, part) in cavity.created.chunks(WATCHED).enumerate() {
+            // The rest is not looked at any more when the call ends: another one begins with a look at all.
+            if i > 0 && !control.poll() {
+                self.is_cut_short = true;
+                break;
+            }
+            watch(t, queue, *radius_edge, part.iter().copied())?;
+        }
+        Ok(())
     }
 
     /// Queues those of some tetrahedra that are in the domain and too large.
