@@ -92,6 +92,11 @@ impl<const N: usize> Elements<N> {
         memory::grow(&mut self.partners, more, "boundary", control)
     }
 
+    /// Makes the list that has an entry for each of so many vertices as long as that, in pieces.
+    pub fn lengthen(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
+        memory::lengthen(&mut self.partners, vertices, 0, "boundary", control)
+    }
+
     /// Memory for so many more.
     pub fn try_reserve(&mut self, more: usize) -> Result<(), std::collections::TryReserveError> {
         self.map.try_reserve(more)?;

@@ -23,7 +23,7 @@ impl Boundary {
     }
 
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulations at subsegment `edge`,
-    /// which it splits. `cavity` is that of `p`.
+    /// which it splits. `cavity` is that of `p`. [`Error::Cancelled`] when the control says stop.
     pub(crate) fn plan_on_segment(
         &self,
         t: &mut Triangulation,
@@ -31,9 +31,10 @@ impl Boundary {
         edge: [u32; 2],
         new: u32,
         p: DVec3,
-    ) -> Vec<(u32, FacetChange)> {
+        control: &Control,
+    ) -> Result<Vec<(u32, FacetChange)>, Error> {
         let key = edge_key(edge);
-        let Some(&segment) = self.subsegments.get(&key) else { return Vec::new() };
+        let Some(&segment) = self.subsegments.get(&key) else { return Ok(Vec::new()) };
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
         let mut changes = Vec::new();
@@ -43,11 +44,12 @@ impl Boundary {
             // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
             // which are found missing and split in their turn.
             let change = t.with_point(new, p, |t| {
-                planar.plan(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
-            });
+                let in_space = |face| t.in_space(cavity, face);
+                planar.plan((new, &start, Some(key)), t.points(), fixed, in_space, control)
+            })?;
             changes.extend(change.map(|change| (facet, change)));
         }
-        changes
+        Ok(changes)
     }
 
     /// Does what was planned for a vertex at `p`.
@@ -98,7 +100,7 @@ impl Boundary {
     }
 
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
-    /// when it can't be inserted. `cavity` is that of `p`.
+    /// when it can't be inserted. `cavity` is that of `p`. [`Error::Cancelled`] when the control says stop.
     pub(crate) fn plan_on_facet(
         &self,
         t: &mut Triangulation,
@@ -106,14 +108,18 @@ impl Boundary {
         face: [u32; 3],
         new: u32,
         p: DVec3,
-    ) -> Option<(u32, FacetChange)> {
-        let facet = *self.subfacets.get(&face_key(face))?;
+        control: &Control,
+    ) -> Result<Option<(u32, FacetChange)>, Error> {
+        let Some(&facet) = self.subfacets.get(&face_key(face)) else { return Ok(None) };
         let planar = &self.facets[facet as usize];
-        let start = planar.triangle(face)?;
+        let Some(start) = planar.triangle(face) else { return Ok(None) };
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(new, p, |t| planar.plan(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
-            .map(|change| (facet, change))
+        let change = t.with_point(new, p, |t| {
+            let in_space = |face| t.in_space(cavity, face);
+            planar.plan((new, &[start], None), t.points(), fixed, in_space, control)
+        })?;
+        Ok(change.map(|change| (facet, change)))
     }
 
     /// Whether a change of this facet would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex

@@ -61,7 +61,7 @@ impl Refiner<'_> {
             (false, Err(Unplaced::Occupied(existing))) if !edge.contains(&existing) => {
                 self.cavity.clear();
                 let p = self.t.at(existing);
-                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p, &self.control)?;
                 // Rounding may have put it there for another segment, but no subsegment or subfacet can be one of two.
                 let shared = edge.iter().any(|&end| self.boundary.is_subsegment([end, existing]));
                 if shared || self.boundary.folds(&changes) {
@@ -94,7 +94,7 @@ impl Refiner<'_> {
                     return Ok(self.block_segment(edge, reach));
                 }
                 let next = self.t.next_vertex();
-                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p, &self.control)?;
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
@@ -184,7 +184,8 @@ impl Refiner<'_> {
         }
         // The planar triangulation first: it may refuse the point.
         let new = self.t.next_vertex();
-        let Some(change) = self.boundary.plan_on_facet(self.t, &self.cavity, start_triangle, new, p) else {
+        let planned = self.boundary.plan_on_facet(self.t, &self.cavity, start_triangle, new, p, &self.control)?;
+        let Some(change) = planned else {
             return Ok(self.block_facet(face, NEVER));
         };
         let changes = [change];
