@@ -151,3 +151,20 @@ impl Boundary {
         self.kind(v) == 0 || !self.meet_acutely(t, (self.carrier(v), t.at(v)), (element, middle))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_of_corners_share_what_short_ones_would() {
+        let long: Vec<u32> = (0..200).map(|v| 3 * v).collect();
+        let other: Vec<u32> = (0..300).map(|v| 10 * v).collect();
+        for [a, b] in [[&long[..], &[598, 597, 7, 30, 3][..]], [&long, &[4, 6]], [&long, &other], [&long, &[]]] {
+            for [a, b] in [[a, b], [b, a]] {
+                let mut shared = a.iter().copied().filter(|v| b.contains(v));
+                assert_eq!(first_shared(a, b), [shared.next(), shared.next()]);
+            }
+        }
+    }
+}

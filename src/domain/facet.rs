@@ -559,6 +559,32 @@ mod tests {
         assert_eq!(facet.triangles(), before);
     }
 
+    /// All triangles of a round facet go for its centre.
+    #[test]
+    fn a_large_change_is_planned_as_a_small_one_is_and_can_be_cancelled() {
+        let at = |k: u32| (std::f64::consts::TAU * f64::from(k) / 1000.0).sin_cos();
+        let mut points: Vec<DVec3> = (0..1000).map(|k| DVec3::new(at(k).1, at(k).0, 0.0)).collect();
+        points.push(DVec3::ZERO);
+        let triangles: Vec<[u32; 3]> = (1..999).map(|k| [0, k, k + 1]).collect();
+        let control = Control::new();
+        let facet = FacetTriangulation::new(&triangles, DVec3::Z, 0, &points, &control).unwrap();
+        let plan = || {
+            let border = |[a, b]: [u32; 2]| (a + 1) % 1000 == b || (b + 1) % 1000 == a;
+            facet.plan((1000, &[[0, 500, 501]], None), &points, border, |_| InSpace::BothGo, &control)
+        };
+        let mut change = None;
+        let looks = control.looks(None, || change = plan().unwrap());
+        let change = change.unwrap();
+        let mut created = change.created.clone();
+        created.sort_unstable();
+        let expected: Vec<[u32; 3]> = (0..1000).map(|k| [k, (k + 1) % 1000, 1000]).collect();
+        assert_eq!((change.removed.len(), created), (998, expected));
+        assert!(looks > 3, "{looks}");
+        for last in 1..=looks {
+            control.looks(Some(last), || assert_eq!(plan().err(), Some(Error::Cancelled)));
+        }
+    }
+
     #[test]
     fn flips_make_it_delaunay() {
         let points: Vec<DVec3> = [[0., 0., 0.], [4., -1., 0.], [8., 0., 0.], [4., 1., 0.]].map(DVec3::from).to_vec();

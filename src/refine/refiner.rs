@@ -19,6 +19,7 @@ use super::queue::{shortest_edge, Queue};
 use super::restore::{Element, Record};
 use super::sizing::Sizes;
 use super::split::Split;
+use super::watch::watch;
 use super::{RefineOptions, RefineStatus, Unrefined};
 use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
 use crate::domain::pending::Demand;
@@ -63,7 +64,7 @@ pub struct Refiner<'a> {
     edge: f64,
     /// That edge, for the obstacles.
     pub(super) mended: [u32; 2],
-    created: Vec<u32>,
+    pub(super) created: Vec<u32>,
     pub(super) cavity: Cavity,
     /// The vertices around it and their squared distances from its point, but for those of a very large one.
     pub(super) rim: Vec<(u32, f64)>,
@@ -75,9 +76,9 @@ pub struct Refiner<'a> {
     arcs: Vec<Arc>,
     link: Vec<u32>,
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
-    watching: bool,
+    pub(super) watching: bool,
     /// A cancellation has left out a part of what was to be queued: the call must end, whatever the control says later.
-    is_cut_short: bool,
+    pub(super) is_cut_short: bool,
     /// Why tetrahedra were left as they are; some of them may have gone since.
     pub reasons: PartedMap<[u32; 4], Unrefined>,
     /// What is demanded of the splits that the tetrahedron in hand asks for.
@@ -109,8 +110,6 @@ pub struct Refiner<'a> {
 
 /// So many vertices around a sample are looked through for partners: of a larger star nothing could be made.
 pub(super) const MANY: usize = 1024;
-/// Tetrahedra that are looked at between two looks at the control.
-const WATCHED: usize = 1 << 12;
 /// Turns of the loop between two progress reports.
 const REPORT_INTERVAL: usize = 256;
 
@@ -434,13 +433,6 @@ impl<'a> Refiner<'a> {
         Ok(())
     }
 
-    /// Looks at what the sparsifier has created.
-    fn watch_created(&mut self) -> Result<(), Error> {
-        let t = &*self.t;
-        let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
-        watch(t, &mut self.queue, self.radius_edge, live)
-    }
-
     /// Leaves a tetrahedron as it is.
     fn refuse(&mut self, v: [u32; 4], reason: Unrefined) {
         self.reasons.insert(v, reason);
@@ -528,7 +520,7 @@ impl<'a> Refiner<'a> {
         }
         self.plan()?;
         let new = self.insert_prepared(p)?;
-        self.finish()?;
+        self.finish(new)?;
         Ok(Placed::Inserted(new))
     }
 
@@ -604,63 +596,4 @@ impl<'a> Refiner<'a> {
         self.boundary.unmark(new);
         Ok(new)
     }
-
-    /// Looks at the tetrahedra that the last insertion created.
-    pub(super) fn finish(&mut self) -> Result<(), Error> {
-        if let (Some(sizes), Some(&first)) = (&mut self.sizes, self.cavity.created.first()) {
-            // The vertex that all of them have is the one just inserted.
-            let of = |c: u32| self.t.topology.tet(c).v;
-            let all = |v: &u32| self.cavity.created.iter().all(|&c| of(c).contains(v));
-            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return Ok(()) };
-            let around: Vec<u32> = self.cavity.created.iter().flat_map(|&c| self.t.topology.tet(c).v).collect();
-            sizes.add_vertex(self.t, new, around.into_iter().filter(|&v| v != new && v != GHOST));
-            if self.watching {
-                let created = std::mem::take(&mut self.cavity.created);
-                self.watch_size(&created)?;
-                self.cavity.created = created;
-            }
-        }
-        if !self.watching {
-            return Ok(());
-        }
-        let Refiner { t, queue, radius_edge, cavity, control, .. } = self;
-        for (i, part) in cavity.created.chunks(WATCHED).enumerate() {
-            // The rest is not looked at any more when the call ends: another one begins with a look at all.
-            if i > 0 && !control.poll() {
-                self.is_cut_short = true;
-                break;
-            }
-            watch(t, queue, *radius_edge, part.iter().copied())?;
-        }
-        Ok(())
-    }
-
-    /// Queues those of some tetrahedra that are in the domain and too large.
-    fn watch_size(&mut self, some: &[u32]) -> Result<(), Error> {
-        let Some(sizes) = &mut self.sizes else { return Ok(()) };
-        let inside: Vec<u32> = some.iter().copied().filter(|&t| self.t.is_inside(t)).collect();
-        for t in sizes.too_large(self.t, &inside) {
-            // A bad one is queued as such.
-            if !exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
-                self.queue.push(self.t, t, shortest_edge(self.t, t).1)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Queues those tetrahedra that are in the domain and bad.
-pub(super) fn watch(
-    t: &Triangulation,
-    queue: &mut Queue,
-    radius_edge: f64,
-    tets: impl Iterator<Item = u32>,
-) -> Result<(), Error> {
-    for (four, count) in in_fours(tets.filter(|&tet| t.is_inside(tet))) {
-        let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), radius_edge);
-        for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            queue.push(t, four[i], shortest[i])?;
-        }
-    }
-    Ok(())
 }

@@ -10,8 +10,9 @@
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::refiner::{watch, Refiner};
+use super::refiner::Refiner;
 use super::split::{Split, NEVER};
+use super::watch::watch;
 use crate::domain::boundary::{face_keys, Standing};
 use crate::domain::facet::FacetChange;
 use crate::domain::label::OUTSIDE;

@@ -227,7 +227,7 @@ impl Refiner<'_> {
         self.boundary.take_in(self.t, outlook, &self.cavity.created, demand);
         self.boundary.enqueue_for(self.t, new, &mut self.encroached, demand);
         self.sort_pending(pending);
-        self.finish()
+        self.finish(new)
     }
 
     fn pending(&self) -> [usize; 2] {

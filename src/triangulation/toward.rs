@@ -148,6 +148,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::samples::on_a_sphere;
     use crate::triangulation::topology::slot_of;
     use crate::{Control, DVec3};
 
@@ -161,6 +162,37 @@ mod tests {
             prop::collection::vec(grid, many.clone()),
             prop::collection::vec(flat, many)
         ]
+    }
+
+    /// All points of a sphere are joined to its centre, and many to each of four outside.
+    #[test]
+    fn edges_between_large_stars_are_found_by_few_steps() {
+        let count = 20_000;
+        let mut points = on_a_sphere(count);
+        points.extend(
+            [[0.0, 0.0, 0.0], [3.0, 0.1, 0.2], [-3.0, 0.3, 0.1], [0.2, 3.0, -0.1], [0.1, -0.2, 3.0]].map(DVec3::from),
+        );
+        let mut t = Triangulation::new();
+        t.insert_many(&points, &Control::new()).unwrap();
+        let first = count as u32;
+        let mut joined = 0;
+        for p in first..first + 5 {
+            assert!(t.topology.star(p).len() > 3000);
+            for q in (first..first + 5).filter(|&q| q != p) {
+                let (control, mut found) = (Control::new(), None);
+                let looks = control.looks(None, || found = t.find_edge_within(p, q, &control).unwrap());
+                // A look through one of the stars would take a hundred.
+                assert!(looks < 20, "{looks}");
+                assert_eq!(found.is_some(), t.topology.find_edge(p, q).is_some());
+                joined += usize::from(found.is_some());
+                if looks > 0 {
+                    control.looks(Some(looks), || {
+                        assert_eq!(t.find_edge_within(p, q, &control), Err(Error::Cancelled));
+                    });
+                }
+            }
+        }
+        assert!(joined > 4, "{joined}");
     }
 
     proptest! {
