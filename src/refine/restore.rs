@@ -183,7 +183,15 @@ impl Refiner<'_> {
 
     /// The tetrahedra at the vertices of the transaction.
     fn changed_stars(&self) -> Vec<u32> {
-        self.records.iter().flat_map(|record| self.t.topology.star(record.vertex)).collect()
+        match &self.records[..] {
+            [record] if record.inserted => {
+                let created = self.cavity.created.clone();
+                debug_assert!(created.iter().all(|&tet| self.t.topology.tet(tet).v.contains(&record.vertex)));
+                debug_assert_eq!(created.len(), self.t.topology.star(record.vertex).len());
+                created
+            }
+            records => records.iter().flat_map(|record| self.t.topology.star(record.vertex)).collect(),
+        }
     }
 
     /// Finds labels around the vertices of the transaction anew; whether that has mended all.
