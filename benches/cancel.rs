@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use wellspaced::host::{sample_arrays, Arrays};
-use wellspaced::{Control, DVec3, Mesh, Plc, PlcFacet, RefineOptions, Sparsify, StepOptions};
+use wellspaced::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, RefineOptions, Sparsify, StepOptions};
 
 fn scattered(count: usize) -> Vec<DVec3> {
     let mut state = 7u64;
@@ -51,11 +51,16 @@ fn latency(wait: Duration, call: impl FnOnce(&Control)) -> Option<(Duration, Dur
     cancelled.map(|at| (end.0.saturating_sub(at.0), end.1.saturating_duration_since(at.1)))
 }
 
-/// Measures at `moments` moments of a call that takes `whole`.
-fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control)) {
+/// Whether a case of this name is asked for.
+fn is_wanted(name: &str) -> bool {
     let mut names =
         std::env::args().skip(1).filter(|name| !name.starts_with('-') && name.parse::<usize>().is_err()).peekable();
-    if names.peek().is_some() && !names.any(|part| name.contains(&part)) {
+    names.peek().is_none() || names.any(|part| name.contains(&part))
+}
+
+/// Measures at `moments` moments of a call that takes `whole`.
+fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control)) {
+    if !is_wanted(name) {
         return;
     }
     let mut subject = fresh();
@@ -140,6 +145,62 @@ fn adverse() {
     measure("insert a grid of 1000000 and an apex", 24, Mesh::new, |mesh, control| {
         mesh.insert(&grid, None, control).unwrap();
     });
+}
+
+/// Boundaries that are beside a vertex with all others around it, or that have very many vertices.
+fn boundaries(count: usize) {
+    let (low, high) = (DVec3::splat(-2.0), DVec3::splat(2.0));
+    let centre = count as u32;
+    // What is near the centre is encroached upon by one point more.
+    let at_centre = |case: &str, elements: &dyn Fn(&mut Plc)| {
+        let names = ["make", "split", "refine"].map(|call| format!("{call} {case} at the centre of {count}"));
+        if !names.iter().any(|name| is_wanted(name)) {
+            return;
+        }
+        let around = scattered(count).into_iter().map(|p| (p * 2.0 - 1.0).normalize());
+        let mut plc = Plc::boxed(low, high, []);
+        let corners = plc.points.len() as u32;
+        plc.facets.iter_mut().flat_map(|facet| &mut facet.polygons).flatten().for_each(|v| *v += centre + 1);
+        plc.points.splice(0..0, around.chain([DVec3::ZERO]));
+        assert_eq!(plc.points.len() as u32, centre + 1 + corners);
+        elements(&mut plc);
+        measure(&names[0], 12, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let fresh = || mesh.try_clone(&Control::new()).unwrap();
+        for (name, sparsify, more) in [(&names[1], Some(Sparsify::Off), 4), (&names[2], None, 100)] {
+            let limits =
+                RefineOptions { max_vertices: mesh.view().points.len() + more, sparsify, ..RefineOptions::default() };
+            measure(name, 48, fresh, |mesh, control| {
+                mesh.refine(&limits, control).unwrap();
+            });
+        }
+    };
+    at_centre("a segment", &|plc| {
+        let end = plc.points.len() as u32;
+        plc.points.extend([DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.25, 0.1, 0.01)]);
+        plc.segments.push(PlcSegment { ends: [centre, end], ..PlcSegment::default() });
+    });
+    at_centre("a triangle", &|plc| {
+        let end = plc.points.len() as u32;
+        plc.points.extend([DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.1, 0.4, 0.0), DVec3::new(0.2, 0.15, 0.01)]);
+        plc.facets.push(PlcFacet { polygons: vec![vec![centre, end, end + 1]], ..PlcFacet::default() });
+    });
+    // A box with half of them on one of its sides.
+    let names = ["make", "refine", "split"].map(|call| format!("{call} a side with {}", count / 2));
+    if names.iter().any(|name| is_wanted(name)) {
+        let on_side = |p: DVec3| (4.0 * p - 2.0).with_z(-2.0);
+        let plc = Plc::boxed(low, high, scattered(count / 2).into_iter().map(on_side));
+        measure(&names[0], 24, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let fresh = || mesh.try_clone(&Control::new()).unwrap();
+        for (name, sparsify) in [(&names[1], None), (&names[2], Some(Sparsify::Off))] {
+            let limits =
+                RefineOptions { max_vertices: mesh.view().points.len() + 20_000, sparsify, ..RefineOptions::default() };
+            measure(name, 24, fresh, |mesh, control| {
+                mesh.refine(&limits, control).unwrap();
+            });
+        }
+    }
 }
 
 fn main() {
@@ -239,6 +300,8 @@ fn main() {
                 mesh.refine(&limits, control).unwrap();
             },
         );
+        drop(mesh);
+        boundaries(count);
     }
     adverse();
     let flat = |p: DVec3| p.with_z(0.0);

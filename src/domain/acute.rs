@@ -46,6 +46,21 @@ pub(crate) fn split_point([p, q]: [DVec3; 2], acute: [bool; 2]) -> DVec3 {
     center + (other - center) * (radius / length)
 }
 
+/// Lists of corners up to this length need not be in order.
+const FEW: usize = 64;
+
+/// The first two of `corners` that `others` has too. Longer lists are those of facets, and in order.
+fn first_shared(corners: &[u32], others: &[u32]) -> [Option<u32>; 2] {
+    if corners.len() > FEW && corners.len() > others.len() {
+        let mut shared: Vec<u32> = others.iter().copied().filter(|v| corners.binary_search(v).is_ok()).collect();
+        shared.sort_unstable();
+        return [0, 1].map(|i| shared.get(i).copied());
+    }
+    let has = |v: &u32| if others.len() > FEW { others.binary_search(v).is_ok() } else { others.contains(v) };
+    let mut shared = corners.iter().copied().filter(has);
+    [shared.next(), shared.next()]
+}
+
 impl Boundary {
     /// The input vertices of a carrier.
     pub(super) fn corners<'a>(&'a self, carrier: &'a Carrier) -> &'a [u32] {
@@ -73,10 +88,9 @@ impl Boundary {
         if corners.len() < 2 || others.len() < 2 {
             return false;
         }
-        let mut shared = corners.iter().copied().filter(|v| others.contains(v)).map(|v| t.at(v));
-        match (shared.next(), shared.next()) {
-            (Some(x), None) => is_acute(p - x, q - x),
-            (Some(x), Some(y)) => {
+        match first_shared(corners, others).map(|v| v.map(|v| t.at(v))) {
+            [Some(x), None] => is_acute(p - x, q - x),
+            [Some(x), Some(y)] => {
                 let along = (y - x).normalize_or_zero();
                 is_acute((p - x).reject_from_normalized(along), (q - x).reject_from_normalized(along))
             }
@@ -135,5 +149,22 @@ impl Boundary {
     /// Whether a vertex can encroach upon subsegments of a segment, or subfacets of a facet, near `middle`.
     pub(super) fn may_encroach(&self, t: &Triangulation, v: u32, element: Carrier, middle: DVec3) -> bool {
         self.kind(v) == 0 || !self.meet_acutely(t, (self.carrier(v), t.at(v)), (element, middle))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_of_corners_share_what_short_ones_would() {
+        let long: Vec<u32> = (0..200).map(|v| 3 * v).collect();
+        let other: Vec<u32> = (0..300).map(|v| 10 * v).collect();
+        for [a, b] in [[&long[..], &[598, 597, 7, 30, 3][..]], [&long, &[4, 6]], [&long, &other], [&long, &[]]] {
+            for [a, b] in [[a, b], [b, a]] {
+                let mut shared = a.iter().copied().filter(|v| b.contains(v));
+                assert_eq!(first_shared(a, b), [shared.next(), shared.next()]);
+            }
+        }
     }
 }

@@ -270,6 +270,16 @@ impl Boundary {
         self.subfacets.grow(vertices, control)
     }
 
+    /// Makes the lists that have an entry for each vertex as long as they will be, in pieces.
+    pub(super) fn lengthen_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        const WHAT: &str = "boundary";
+        let vertices = t.vertex_slots();
+        memory::lengthen(&mut self.kinds, vertices, 0, WHAT, control)?;
+        memory::lengthen(&mut self.carriers, vertices, Carrier::Free, WHAT, control)?;
+        self.subsegments.lengthen(vertices, control)?;
+        self.subfacets.lengthen(vertices, control)
+    }
+
     /// Memory for what one split adds, mostly.
     pub(crate) fn reserve(&mut self) -> Result<(), Error> {
         const MORE: usize = 64;

@@ -8,7 +8,7 @@ use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary, Segment, ACUTE, ON_FACET, ON_SEGMENT};
 use super::check::arrangement::Arrangement;
 use super::facet::{dominant_axis, FacetTriangulation};
-use super::planar::{facet_normal, triangles_within};
+use super::planar::{facet_normal_within, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
@@ -35,6 +35,7 @@ impl Boundary {
         let mut boundary = InPieces::new(Boundary::default(), control);
         // Room for as much as there is, or will be soon.
         boundary.grow_for(t, control)?;
+        boundary.lengthen_for(t, control)?;
         memory::reserve(&mut boundary.segments, parts.sides.len(), "segments")?;
         memory::reserve(&mut boundary.facets, plc.facets.len(), "facets")?;
         let turns = control.turns();
@@ -72,6 +73,7 @@ impl Boundary {
     /// The hull as boundary: exactly coplanar hull facets are joined, the edges between others are segments.
     pub(crate) fn from_hull(t: &Triangulation, control: &Control) -> Result<Boundary, Error> {
         let mut boundary = InPieces::new(Boundary::default(), control);
+        boundary.lengthen_for(t, control)?;
         let turns = control.turns();
         let mut ghosts = InPieces::new(Vec::new(), control);
         for g in t.topology.live() {
@@ -238,7 +240,7 @@ impl Boundary {
         let element = DomainElement::Facet(index);
         let Outline { vertices, sides, others } = outline;
         let points = t.points();
-        let normal = facet_normal(points, &vertices).ok_or_else(|| invalid(element, "has no area"))?;
+        let normal = facet_normal_within(points, &vertices, control)?.ok_or_else(|| invalid(element, "has no area"))?;
         let axis = dominant_axis(normal);
         let triangles = triangles_within(points, &vertices, (&sides, &others), axis, &facet.holes, control)?;
         let triangles = triangles.map_err(|_| invalid(element, "has sides, or segments in it, that cross"))?;

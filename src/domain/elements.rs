@@ -31,13 +31,13 @@ fn bit(v: u32) -> u64 {
     1 << (v.wrapping_mul(0x9e37_79b1) >> 26)
 }
 
-/// The bits of the vertices of some faces: tells of most other vertices that they are none of them.
+/// The bits of some vertices: tells of most others that they are none of them.
 #[derive(Clone, Copy)]
 pub(super) struct Corners(u64);
 
 impl Corners {
-    pub fn of(faces: &[[u32; 3]]) -> Corners {
-        Corners(faces.iter().flatten().fold(0, |bits, &v| bits | bit(v)))
+    pub fn of(vertices: impl IntoIterator<Item = u32>) -> Corners {
+        Corners(vertices.into_iter().fold(0, |bits, v| bits | bit(v)))
     }
 
     /// Whether a vertex may be one of them.
@@ -90,6 +90,11 @@ impl<const N: usize> Elements<N> {
     pub fn grow(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
         let more = vertices.saturating_sub(self.partners.len());
         memory::grow(&mut self.partners, more, "boundary", control)
+    }
+
+    /// Makes the list that has an entry for each of so many vertices as long as that, in pieces.
+    pub fn lengthen(&mut self, vertices: usize, control: &Control) -> Result<(), Error> {
+        memory::lengthen(&mut self.partners, vertices, 0, "boundary", control)
     }
 
     /// Memory for so many more.

@@ -10,6 +10,7 @@
 //! exactly in the plane this is the circle test of the triangulation in space, its perturbation included.
 
 use glam::DVec3;
+use rustc_hash::FxHashSet;
 
 use crate::geometry::perturbation::in_conflict;
 use crate::geometry::predicates::orient2d;
@@ -24,7 +25,7 @@ use crate::{memory, Control, Error};
 pub struct FacetTriangulation {
     /// The caller's own number for the facet.
     pub marker: i32,
-    /// The vertices that it started with.
+    /// The vertices that it started with, in order.
     pub corners: Vec<u32>,
     /// The coordinate that is dropped.
     axis: usize,
@@ -282,50 +283,66 @@ impl FacetTriangulation {
         fixed: impl Fn([u32; 2]) -> bool,
         in_space: impl Fn([u32; 3]) -> InSpace,
     ) -> Option<FacetChange> {
-        let change = self.plan(new, start, split, points, fixed, in_space)?;
+        // Nobody cancels it.
+        let change = self.plan((new, start, split), points, fixed, in_space, Control::never()).ok()??;
         self.apply(&change, points[new as usize]);
         Some(change)
     }
 
-    /// What [`insert`](Self::insert) would change.
+    /// What [`insert`](Self::insert) would change, unless the control says stop.
     pub fn plan(
         &self,
-        new: u32,
-        start: &[[u32; 3]],
-        split: Option<[u32; 2]>,
+        (new, start, split): (u32, &[[u32; 3]], Option<[u32; 2]>),
         points: &[DVec3],
         fixed: impl Fn([u32; 2]) -> bool,
         in_space: impl Fn([u32; 3]) -> InSpace,
-    ) -> Option<FacetChange> {
+        control: &Control,
+    ) -> Result<Option<FacetChange>, Error> {
+        /// So many triangles are found faster by looking through them.
+        const FEW: usize = 32;
+        let turns = control.turns();
         let p = points[new as usize];
         let mut filter = self.filter.clone();
         filter.extend(p);
         let is_split = |[a, b]: [u32; 2]| split == Some([a, b]) || split == Some([b, a]);
         let mut removed: Vec<[u32; 3]> = start.to_vec();
+        let mut known: FxHashSet<[u32; 3]> = FxHashSet::default();
         let mut next = 0;
         while next < removed.len() {
+            turns.check()?;
             for ([a, b], _) in sides(removed[next]) {
                 if is_split([a, b]) || fixed([a, b]) {
                     continue;
                 }
                 let Some(&c) = self.apex.get(&[b, a]) else { continue };
                 let triangle = [b, a, c];
-                let known = removed.iter().any(|&t| rotate_lowest(t) == rotate_lowest(triangle));
+                if known.is_empty() && removed.len() > FEW {
+                    known.extend(removed.iter().map(|&t| rotate_lowest(t)));
+                }
+                let lowest = rotate_lowest(triangle);
+                let is_known = if known.is_empty() {
+                    removed.iter().any(|&t| rotate_lowest(t) == lowest)
+                } else {
+                    known.contains(&lowest)
+                };
                 let goes = || match in_space(triangle) {
                     InSpace::BothGo => true,
                     InSpace::Stays => false,
                     InSpace::OneGoes | InSpace::Missing => self.in_circle(&filter, triangle, p, points),
                 };
-                if !known && goes() {
+                if !is_known && goes() {
                     removed.push(triangle);
+                    if !known.is_empty() {
+                        known.insert(lowest);
+                    }
                 }
             }
             next += 1;
         }
         // Where rounding hides an edge of the cavity from the point, the cavity shrinks.
         let border = loop {
-            let inner: rustc_hash::FxHashSet<[u32; 2]> =
-                removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
+            control.check()?;
+            let inner: FxHashSet<[u32; 2]> = removed.iter().flat_map(|&t| sides(t).map(|(e, _)| e)).collect();
             let border: Vec<([u32; 2], usize)> = removed
                 .iter()
                 .enumerate()
@@ -339,11 +356,11 @@ impl FacetTriangulation {
                 Some(&(_, i)) if i >= start.len() => {
                     removed.remove(i);
                 }
-                Some(_) => return None,
+                Some(_) => return Ok(None),
             }
         };
         let created: Vec<[u32; 3]> = border.into_iter().map(|([a, b], _)| [a, b, new]).collect();
-        Some(FacetChange { removed, created })
+        Ok(Some(FacetChange { removed, created }))
     }
 
     /// Does what was [planned](Self::plan) for a vertex at `p`.
@@ -450,6 +467,7 @@ impl FacetTriangulation {
             turns.check()?;
             *v = renamed(*v);
         }
+        debug_assert!(self.corners.is_sorted());
         self.apex.rekey(control, |edge, apex| {
             *apex = renamed(*apex);
             Some(edge.map(&renamed))
@@ -471,8 +489,9 @@ impl FacetTriangulation {
         control: &Control,
     ) -> Result<(), Error> {
         let mut queue = self.apex.sorted_keys(control)?;
-        queue.retain(|[a, b]| a < b);
         let turns = control.turns();
+        queue.retain(|[a, b]| turns.go_on() && a < b);
+        turns.end()?;
         // Exactly planar facets need at most a flip an edge pair; rounding elsewhere must not keep this going for ever.
         let mut budget = 64 + queue.len() * queue.len().min(4096);
         while let Some([a, b]) = queue.pop() {
@@ -538,6 +557,32 @@ mod tests {
         let start = facet.triangle([0, 1, 2]).unwrap();
         assert!(facet.insert(4, &[start], None, &points, |_| true, |_| InSpace::Missing).is_none());
         assert_eq!(facet.triangles(), before);
+    }
+
+    /// All triangles of a round facet go for its centre.
+    #[test]
+    fn a_large_change_is_planned_as_a_small_one_is_and_can_be_cancelled() {
+        let at = |k: u32| (std::f64::consts::TAU * f64::from(k) / 1000.0).sin_cos();
+        let mut points: Vec<DVec3> = (0..1000).map(|k| DVec3::new(at(k).1, at(k).0, 0.0)).collect();
+        points.push(DVec3::ZERO);
+        let triangles: Vec<[u32; 3]> = (1..999).map(|k| [0, k, k + 1]).collect();
+        let control = Control::new();
+        let facet = FacetTriangulation::new(&triangles, DVec3::Z, 0, &points, &control).unwrap();
+        let plan = || {
+            let border = |[a, b]: [u32; 2]| (a + 1) % 1000 == b || (b + 1) % 1000 == a;
+            facet.plan((1000, &[[0, 500, 501]], None), &points, border, |_| InSpace::BothGo, &control)
+        };
+        let mut change = None;
+        let looks = control.looks(None, || change = plan().unwrap());
+        let change = change.unwrap();
+        let mut created = change.created.clone();
+        created.sort_unstable();
+        let expected: Vec<[u32; 3]> = (0..1000).map(|k| [k, (k + 1) % 1000, 1000]).collect();
+        assert_eq!((change.removed.len(), created), (998, expected));
+        assert!(looks > 3, "{looks}");
+        for last in 1..=looks {
+            control.looks(Some(last), || assert_eq!(plan().err(), Some(Error::Cancelled)));
+        }
     }
 
     #[test]

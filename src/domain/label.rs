@@ -1,6 +1,7 @@
 //! Which tetrahedra lie in the domain: a flood that subfacets stop, from outside, from hole seeds and from region seeds.
 
 use super::boundary::Boundary;
+use super::outlook::LabelsAhead;
 use super::plc::PlcRegion;
 use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of};
@@ -65,10 +66,9 @@ impl Boundary {
         let label = |face: u32| labels[tet_of(face) as usize];
         let mut parts_labels = true;
         for &face in self.subfacets.keys() {
-            // A look each time: a face between large stars takes its time.
             control.check()?;
             let apart = |f: u32| label(f) != label(t.topology.tet(tet_of(f)).n[slot_of(f)]);
-            if !t.find_face(face).is_some_and(apart) {
+            if !t.find_face_within(face, control)?.is_some_and(apart) {
                 parts_labels = false;
                 break;
             }
@@ -89,6 +89,11 @@ impl Boundary {
             (0..4).any(|slot| !t.topology.labels_differ(tet, slot) && self.is_subfacet(face(slot)))
         };
         self.parts_labels = self.parts_labels && !tets.iter().any(hidden);
+    }
+
+    /// The same of a vertex's star that was [looked at](Self::foresee) before it was there.
+    pub(crate) fn note_ahead(&mut self, ahead: LabelsAhead) {
+        self.parts_labels &= !ahead.hide;
     }
 }
 

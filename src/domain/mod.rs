@@ -13,6 +13,7 @@
 //! | `planar` | the plane of a facet and the triangles in it |
 //! | [`facet`] | the planar triangulation of one facet |
 //! | `split` | what a split changes in it |
+//! | `outlook` | what its vertex will bring, told before it is there |
 //! | `elements` | the subsegments, or the subfacets, as a map |
 //! | `unsplit` | what taking vertices away changes in it |
 //! | `acute` | small input angles |
@@ -37,6 +38,7 @@ mod encroached;
 pub mod facet;
 mod join;
 pub(crate) mod label;
+pub(crate) mod outlook;
 pub mod pending;
 pub(crate) mod planar;
 pub mod plc;

@@ -47,6 +47,9 @@ const OFF_MIDDLE: f64 = 0.6;
 /// At an acute vertex no split comes nearer than this part of the room that it had. Two segments at 20°, cut in the middle, have their cuts at 0.17.
 const ROOM: f64 = 0.15;
 
+/// Of as many corners the sharp ones are looked for among all sharp ones.
+const MANY: usize = 64;
+
 impl Boundary {
     /// Whether an element must stay as it is, given whether it is in the triangulation.
     pub(crate) fn keeps(&self, exists: bool) -> bool {
@@ -68,9 +71,14 @@ impl Boundary {
     /// Near a corner at which segments meet at a very small angle, splits of what meets there must not be finer than this. There the distances between
     /// elements are far smaller than their distance from the corner, and well-spaced points would be as many as the angle is small.
     pub(crate) fn needle_floor(&self, t: &Triangulation, carrier: Carrier, p: DVec3) -> f64 {
-        let corners = self.corners(&carrier).iter();
-        let needles = corners.filter(|&&v| self.sharpness(v) > NEEDLE);
-        needles.map(|&v| AT_NEEDLE * t.at(v).distance(p)).fold(0.0, f64::max)
+        let floor = |v: &u32| AT_NEEDLE * t.at(*v).distance(p);
+        let corners = self.corners(&carrier);
+        // A facet may have very many, which are in order.
+        if corners.len() > MANY && corners.len() > self.sharpness.len() {
+            let needles = self.sharpness.iter().filter(|(_, &sharpness)| sharpness > NEEDLE).map(|(v, _)| v);
+            return needles.filter(|v| corners.binary_search(v).is_ok()).map(floor).fold(0.0, f64::max);
+        }
+        corners.iter().filter(|&&v| self.sharpness(v) > NEEDLE).map(floor).fold(0.0, f64::max)
     }
 
     /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.

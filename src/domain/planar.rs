@@ -49,15 +49,24 @@ pub enum PlanarDefect {
 
 /// A normal of the plane that the vertices span, from the corner triple of the largest area found by two scans.
 pub fn facet_normal(points: &[DVec3], vertices: &[u32]) -> Option<DVec3> {
-    let at = |v: u32| points[v as usize];
-    let origin = at(*vertices.first()?);
-    let by = |f: &dyn Fn(DVec3) -> f64| vertices.iter().map(|&v| at(v)).max_by(|&a, &b| f(a).total_cmp(&f(b)));
-    let far = by(&|p| p.distance_squared(origin))?;
-    let third = by(&|p| (p - origin).cross(far - origin).length_squared())?;
+    facet_normal_within(points, vertices, Control::never()).unwrap_or_default()
+}
+
+/// [`facet_normal`], unless the control says stop.
+pub fn facet_normal_within(points: &[DVec3], vertices: &[u32], control: &Control) -> Result<Option<DVec3>, Error> {
+    let (at, turns) = (|v: u32| points[v as usize], control.turns());
+    let by = |f: &dyn Fn(DVec3) -> f64| {
+        let all = vertices.iter().take_while(|_| turns.go_on()).map(|&v| at(v));
+        all.max_by(|&a, &b| f(a).total_cmp(&f(b)))
+    };
+    let origin = vertices.first().map_or(DVec3::ZERO, |&v| at(v));
+    let far = by(&|p| p.distance_squared(origin)).unwrap_or(origin);
+    let third = by(&|p| (p - origin).cross(far - origin).length_squared()).unwrap_or(origin);
+    turns.end()?;
     if collinear(origin, far, third) {
-        return None;
+        return Ok(None);
     }
-    (far - origin).cross(third - origin).try_normalize()
+    Ok((far - origin).cross(third - origin).try_normalize())
 }
 
 /// The size of a facet with these corners: how far the farthest is from the first.
@@ -108,7 +117,10 @@ pub fn triangles_within(
     }
     let place = |v: u32| points[v as usize];
     let project = |p: DVec3| Point2::new(p[(axis + 1) % 3], p[(axis + 2) % 3]);
-    let mut planar = InPieces::new(Whole::default(), control);
+    // Made large enough at once: its lists would be moved as they grow.
+    let (count, border) = (vertices.len(), sides.len());
+    let large = || Whole(Cdt::with_capacity(count, 3 * count + border, 2 * count + border));
+    let mut planar = InPieces::new(if count > FEW { large() } else { Whole::default() }, control);
     let planar = &mut planar.0;
     let order = if vertices.len() > FEW {
         let mut places = memory::room_in_pieces(vertices.len(), "facet", control)?;

@@ -4,12 +4,11 @@ use glam::DVec3;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, face_keys, Boundary, Standing, ACUTE, ON_FACET, ON_SEGMENT, SHARP};
-use super::elements::Corners;
 use super::facet::{FacetChange, InSpace};
-use super::pending::Demand;
 use crate::triangulation::cavity::Cavity;
-use crate::triangulation::topology::{slot_of, tet_of, GHOST};
+use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::Triangulation;
+use crate::{Control, Error};
 
 impl Boundary {
     /// Where to split a subsegment.
@@ -24,7 +23,7 @@ impl Boundary {
     }
 
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulations at subsegment `edge`,
-    /// which it splits. `cavity` is that of `p`.
+    /// which it splits. `cavity` is that of `p`. [`Error::Cancelled`] when the control says stop.
     pub(crate) fn plan_on_segment(
         &self,
         t: &mut Triangulation,
@@ -32,9 +31,10 @@ impl Boundary {
         edge: [u32; 2],
         new: u32,
         p: DVec3,
-    ) -> Vec<(u32, FacetChange)> {
+        control: &Control,
+    ) -> Result<Vec<(u32, FacetChange)>, Error> {
         let key = edge_key(edge);
-        let Some(&segment) = self.subsegments.get(&key) else { return Vec::new() };
+        let Some(&segment) = self.subsegments.get(&key) else { return Ok(Vec::new()) };
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
         let mut changes = Vec::new();
@@ -44,11 +44,12 @@ impl Boundary {
             // `None`: a vertex of the facet already, or one that rounding hides from it. Then the facet keeps its triangles at the old edge,
             // which are found missing and split in their turn.
             let change = t.with_point(new, p, |t| {
-                planar.plan(new, &start, Some(key), t.points(), fixed, |face| t.in_space(cavity, face))
-            });
+                let in_space = |face| t.in_space(cavity, face);
+                planar.plan((new, &start, Some(key)), t.points(), fixed, in_space, control)
+            })?;
             changes.extend(change.map(|change| (facet, change)));
         }
-        changes
+        Ok(changes)
     }
 
     /// Does what was planned for a vertex at `p`.
@@ -58,29 +59,18 @@ impl Boundary {
         }
     }
 
-    /// Replaces subsegment `edge` by its two parts at vertex `new`, takes over what
-    /// [`plan_on_segment`](Self::plan_on_segment) planned, and queues what of the new elements is missing or encroached.
-    /// `star` are the tetrahedra at `new`.
-    pub(crate) fn segment_changed(
-        &mut self,
-        t: &mut Triangulation,
-        edge: [u32; 2],
-        new: u32,
-        changes: &[(u32, FacetChange)],
-        star: &[u32],
-        demand: Demand,
-    ) {
+    /// Replaces subsegment `edge` by its two parts at vertex `new`, and takes over what
+    /// [`plan_on_segment`](Self::plan_on_segment) planned.
+    pub(crate) fn segment_changed(&mut self, edge: [u32; 2], new: u32, changes: &[(u32, FacetChange)]) {
         let key = edge_key(edge);
         let Some(segment) = self.subsegments.remove(&key) else { return };
-        let parts = key.map(|end| edge_key([end, new]));
-        for part in parts {
+        for part in key.map(|end| edge_key([end, new])) {
             debug_assert!(!self.subsegments.contains_key(&part), "a subsegment of two segments");
             self.subsegments.insert(part, segment);
         }
         self.put_on(new, segment);
-        self.enqueue_new(t, new, star, &parts, &[], demand);
         for (facet, change) in changes {
-            self.facet_changed(t, new, *facet, change, star, demand);
+            self.facet_changed(new, *facet, change);
         }
     }
 
@@ -110,7 +100,7 @@ impl Boundary {
     }
 
     /// What inserting the vertex `new` at `p`, which is not in the triangulation yet, changes in the planar triangulation of subfacet `face`. `None`
-    /// when it can't be inserted. `cavity` is that of `p`.
+    /// when it can't be inserted. `cavity` is that of `p`. [`Error::Cancelled`] when the control says stop.
     pub(crate) fn plan_on_facet(
         &self,
         t: &mut Triangulation,
@@ -118,14 +108,18 @@ impl Boundary {
         face: [u32; 3],
         new: u32,
         p: DVec3,
-    ) -> Option<(u32, FacetChange)> {
-        let facet = *self.subfacets.get(&face_key(face))?;
+        control: &Control,
+    ) -> Result<Option<(u32, FacetChange)>, Error> {
+        let Some(&facet) = self.subfacets.get(&face_key(face)) else { return Ok(None) };
         let planar = &self.facets[facet as usize];
-        let start = planar.triangle(face)?;
+        let Some(start) = planar.triangle(face) else { return Ok(None) };
         let subsegments = &self.subsegments;
         let fixed = |e: [u32; 2]| subsegments.contains_key(&edge_key(e));
-        t.with_point(new, p, |t| planar.plan(new, &[start], None, t.points(), fixed, |face| t.in_space(cavity, face)))
-            .map(|change| (facet, change))
+        let change = t.with_point(new, p, |t| {
+            let in_space = |face| t.in_space(cavity, face);
+            planar.plan((new, &[start], None), t.points(), fixed, in_space, control)
+        })?;
+        Ok(change.map(|change| (facet, change)))
     }
 
     /// Whether a change of this facet would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex
@@ -144,21 +138,6 @@ impl Boundary {
         }
         let keys = face_keys(changes.iter().flat_map(|(_, change)| &change.created));
         keys.windows(2).any(|pair| pair[0] == pair[1])
-    }
-
-    /// Takes over what changed in a facet, once the vertex is in the triangulation.
-    pub(crate) fn facet_changed(
-        &mut self,
-        t: &mut Triangulation,
-        new: u32,
-        facet: u32,
-        change: &FacetChange,
-        star: &[u32],
-        demand: Demand,
-    ) {
-        self.replace_subfacets(facet, new, change);
-        self.enqueue_new(t, new, star, &[], &change.created, demand);
-        t.relabel_flat(new, &change.removed, star);
     }
 
     /// How a vertex stands on the boundary before the split of `edge` or of a subfacet at it, with these changes.
@@ -200,7 +179,8 @@ impl Boundary {
         }
     }
 
-    fn replace_subfacets(&mut self, facet: u32, new: u32, change: &FacetChange) {
+    /// Takes over what changed in a facet, once the vertex is in the triangulation.
+    pub(crate) fn facet_changed(&mut self, new: u32, facet: u32, change: &FacetChange) {
         for &face in &change.removed {
             self.subfacets.remove(&face_key(face));
         }
@@ -224,28 +204,8 @@ impl Triangulation {
         }
     }
 
-    /// A tetrahedron with this face, finite if there is one.
-    pub(crate) fn face_tetrahedron(&self, face: [u32; 3]) -> Option<u32> {
-        self.find_face(face).map(|handle| self.finite_at(tet_of(handle)))
-    }
-
-    /// Mends the labels where rounding put vertex `new` off the plane of its facet: a triangle that was a subfacet and still is a face now
-    /// lies beside the facet, and the flat tetrahedron between them has come to the other side of it.
-    fn relabel_flat(&mut self, new: u32, removed: &[[u32; 3]], star: &[u32]) {
-        if self.topology.region.is_empty() {
-            return;
-        }
-        // Few faces of the star have vertices of them only.
-        let corners = Corners::of(removed);
-        let removed = face_keys(removed);
-        for &t in star {
-            let tet = *self.topology.tet(t);
-            let Some(slot) = tet.slot(new) else { continue };
-            let face = tet.face(slot);
-            let may_be = face.into_iter().all(|v| v != GHOST && corners.may_have(v));
-            if may_be && removed.binary_search(&face_key(face)).is_ok() {
-                self.topology.region[t as usize] = self.topology.region[tet_of(tet.n[slot]) as usize];
-            }
-        }
+    /// A tetrahedron with this face, finite if there is one; [`Error::Cancelled`] when the control says stop.
+    pub(crate) fn face_tetrahedron_within(&self, face: [u32; 3], control: &Control) -> Result<Option<u32>, Error> {
+        Ok(self.find_face_within(face, control)?.map(|handle| self.finite_at(tet_of(handle))))
     }
 }

@@ -2,6 +2,7 @@
 //! and where two labels meet there is a subfacet.
 
 use super::boundary::{face_key, Boundary};
+use crate::triangulation::incident::Search;
 use crate::triangulation::{Defect, Triangulation};
 use crate::{Control, Error};
 
@@ -21,13 +22,13 @@ impl Boundary {
     pub(crate) fn first_missing(&self, t: &Triangulation, control: &Control) -> Result<Option<Defect>, Error> {
         for &[a, b] in &*self.subsegments.sorted_keys(control)? {
             control.check()?;
-            if t.topology.find_edge(a, b).is_none() {
+            if Search::new(&t.topology, [a, b]).finish(&t.topology, control)?.is_none() {
                 return Ok(Some(Defect::MissingSubsegment { edge: [a, b] }));
             }
         }
         for &face in &*self.subfacets.sorted_keys(control)? {
             control.check()?;
-            if t.topology.find_face(face).is_none() {
+            if Search::new(&t.topology, face).finish(&t.topology, control)?.is_none() {
                 return Ok(Some(Defect::MissingSubfacet { face }));
             }
         }

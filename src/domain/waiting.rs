@@ -5,28 +5,27 @@ use std::collections::VecDeque;
 
 use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary};
-use super::elements::Corners;
 use super::encroached::Encroached;
 use super::pending::Demand;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::{Control, Error};
+use crate::{Control, DVec3, Error};
 
 /// Elements that are encroached before the refinement begins are split down to this part of their shortest side, where they meet others acutely.
 const FIRST_SPLITS: f64 = 0.125;
 
 /// How a boundary element stands in the triangulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
+pub(super) enum State {
     Missing,
     Encroached,
     Clear,
 }
 
 impl State {
-    fn of(encroached: bool) -> State {
+    pub fn of(encroached: bool) -> State {
         if encroached {
             State::Encroached
         } else {
@@ -70,20 +69,29 @@ impl Boundary {
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.
     fn vertex_encroaches_segment(&self, t: &Triangulation, edge: [u32; 2], v: u32) -> bool {
-        if self.recovering || v == GHOST || !encroaches_segment(edge.map(|v| t.at(v)), t.at(v)) {
-            return false;
-        }
-        let Some(&segment) = self.subsegments.get(&edge_key(edge)) else { return false };
-        self.may_encroach(t, v, Carrier::Segment(segment), 0.5 * t.at(edge[0]) + 0.5 * t.at(edge[1]))
+        let segment = self.subsegments.get(&edge_key(edge));
+        segment.is_some_and(|&segment| self.encroaches_part(t, (segment, edge.map(|v| t.at(v))), v))
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subfacet.
     fn vertex_encroaches_facet(&self, t: &Triangulation, face: [u32; 3], v: u32) -> bool {
-        let corners = face.map(|v| t.at(v));
+        let facet = self.subfacets.get(&face_key(face));
+        facet.is_some_and(|&facet| self.encroaches_triangle(t, (facet, face.map(|v| t.at(v))), v))
+    }
+
+    /// Whether a vertex, or the ghost, encroaches upon a part of a segment.
+    pub(super) fn encroaches_part(&self, t: &Triangulation, (segment, ends): (u32, [DVec3; 2]), v: u32) -> bool {
+        if self.recovering || v == GHOST || !encroaches_segment(ends, t.at(v)) {
+            return false;
+        }
+        self.may_encroach(t, v, Carrier::Segment(segment), 0.5 * ends[0] + 0.5 * ends[1])
+    }
+
+    /// Whether a vertex, or the ghost, encroaches upon a triangle of a facet.
+    pub(super) fn encroaches_triangle(&self, t: &Triangulation, (facet, corners): (u32, [DVec3; 3]), v: u32) -> bool {
         if self.recovering || v == GHOST || !encroaches_facet(corners, t.at(v)) {
             return false;
         }
-        let Some(&facet) = self.subfacets.get(&face_key(face)) else { return false };
         self.may_encroach(t, v, Carrier::Facet(facet), (corners[0] + corners[1] + corners[2]) / 3.0)
     }
 
@@ -146,12 +154,14 @@ impl Boundary {
     pub(crate) fn unblock(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         let mut segments = self.blocked.segments(control)?;
         let mut facets = self.blocked.facets(control)?;
-        let encroached = State::Encroached;
+        let encroached = Ok(State::Encroached);
         let turns = control.turns();
         segments.retain(|e| {
-            turns.go_on() && self.subsegments.contains_key(e) && self.state_of_segment(t, *e) == encroached
+            turns.go_on() && self.subsegments.contains_key(e) && self.state_of_segment(t, *e, control) == encroached
         });
-        facets.retain(|f| turns.go_on() && self.subfacets.contains_key(f) && self.state_of_facet(t, *f) == encroached);
+        facets.retain(|f| {
+            turns.go_on() && self.subfacets.contains_key(f) && self.state_of_facet(t, *f, control) == encroached
+        });
         turns.end()?;
         self.enqueue_first(t, &segments, &facets, control)?;
         self.blocked.clear();
@@ -173,9 +183,8 @@ impl Boundary {
         let mut missing_segments = InPieces::new(Vec::new(), control);
         let mut missing_facets = InPieces::new(Vec::new(), control);
         for &edge in &*self.subsegments.sorted_keys(control)? {
-            // A look each time: an edge or a face of large stars takes its time.
             control.check()?;
-            match self.state_of_segment(t, edge) {
+            match self.state_of_segment(t, edge, control)? {
                 State::Missing => missing_segments.push(edge),
                 State::Encroached => segments.push(edge),
                 State::Clear => {}
@@ -183,7 +192,7 @@ impl Boundary {
         }
         for &face in &*self.subfacets.sorted_keys(control)? {
             control.check()?;
-            match self.state_of_facet(t, face) {
+            match self.state_of_facet(t, face, control)? {
                 State::Missing => missing_facets.push(face),
                 State::Encroached => facets.push(face),
                 State::Clear => {}
@@ -197,12 +206,14 @@ impl Boundary {
 
     /// What is demanded of the split of a subsegment, if a vertex encroaches upon it.
     pub(crate) fn demand_of_segment(&self, t: &Triangulation, edge: [u32; 2]) -> Option<Demand> {
-        (self.state_of_segment(t, edge) == State::Encroached).then(|| first_demand(t, &edge))
+        let state = self.state_of_segment(t, edge, Control::never());
+        (state == Ok(State::Encroached)).then(|| first_demand(t, &edge))
     }
 
     /// What is demanded of the split of a subfacet, if a vertex encroaches upon it.
     pub(crate) fn demand_of_facet(&self, t: &Triangulation, face: [u32; 3]) -> Option<Demand> {
-        (self.state_of_facet(t, face) == State::Encroached).then(|| first_demand(t, &face))
+        let state = self.state_of_facet(t, face, Control::never());
+        (state == Ok(State::Encroached)).then(|| first_demand(t, &face))
     }
 
     /// Queues elements that no other split has brought about. Nothing has changed when the control says stop.
@@ -250,79 +261,21 @@ impl Boundary {
     }
 
     /// If any vertex lies in the diametral ball of an edge, one of its link does.
-    fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2]) -> State {
-        let Some((tet, i, j)) = t.find_edge(a, b) else { return State::Missing };
+    fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2], control: &Control) -> Result<State, Error> {
+        let Some((tet, i, j)) = t.find_edge_within(a, b, control)? else { return Ok(State::Missing) };
+        let turns = control.turns();
         let mut link = t.topology.around_edge(tet, i, j).map(|(around, k, _)| t.topology.tet(around).v[k]);
-        State::of(link.any(|v| self.vertex_encroaches_segment(t, [a, b], v)))
+        let encroached = link.any(|v| !turns.go_on() || self.vertex_encroaches_segment(t, [a, b], v));
+        turns.end().map(|()| State::of(encroached))
     }
 
     /// If any vertex lies in the smallest ball of a face, one of its two apices does.
-    fn state_of_facet(&self, t: &Triangulation, face: [u32; 3]) -> State {
-        let mut apices = t.face_apices(face).peekable();
-        if apices.peek().is_none() {
-            return State::Missing;
-        }
-        State::of(apices.any(|v| self.vertex_encroaches_facet(t, face, v)))
-    }
-
-    /// Queues those of the elements at vertex `new` that are missing or encroached; `star` are the tetrahedra at it.
-    pub(super) fn enqueue_new(
-        &mut self,
-        t: &Triangulation,
-        new: u32,
-        star: &[u32],
-        segments: &[[u32; 2]],
-        facets: &[[u32; 3]],
-        demand: Demand,
-    ) {
-        // What encroaches upon an element at `new`, or that it is missing, shows in the star. A segment has two parts at most, but a facet's split may bring
-        // as many triangles as there are vertices.
-        for &edge in segments {
-            debug_assert!(edge.contains(&new));
-            let all = star.iter().map(|&tet| t.topology.tet(tet).v);
-            let mut around = all.filter(|v| edge.iter().all(|end| v.contains(end))).peekable();
-            if around.peek().is_none() {
-                self.missing_segments.push_back(edge_key(edge));
-            } else if !self.lazy
-                && around.flatten().any(|v| !edge.contains(&v) && self.vertex_encroaches_segment(t, edge, v))
-            {
-                self.pending_segments.push_back((edge_key(edge), demand));
-            }
-        }
-        let side = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-        let across = |face: [u32; 3]| {
-            debug_assert!(face.contains(&new));
-            let at = face.iter().position(|&v| v == new).unwrap_or(0);
-            side(face[(at + 1) % 3], face[(at + 2) % 3])
-        };
-        let mut found: Vec<_> = facets.iter().map(|&face| (across(face), face, State::Missing)).collect();
-        found.sort_unstable_by_key(|&(side, ..)| side);
-        // Few sides of the star are such: most miss a vertex of them.
-        let corners = Corners::of(facets);
-        for &tet in if found.is_empty() { &[] } else { star } {
-            let v = t.topology.tet(tet).v;
-            let at = v.iter().position(|&v| v == new).unwrap_or(0);
-            let [a, b, c] = [v[at ^ 1], v[at ^ 2], v[at ^ 3]];
-            for ([p, q], apex) in [([a, b], c), ([b, c], a), ([c, a], b)] {
-                if !corners.may_have(p) || !corners.may_have(q) {
-                    continue;
-                }
-                let side = side(p, q);
-                let Ok(at) = found.binary_search_by_key(&side, |&(side, ..)| side) else { continue };
-                let (_, face, state) = &mut found[at];
-                if *state != State::Encroached {
-                    *state = State::of(!self.lazy && self.vertex_encroaches_facet(t, *face, apex));
-                }
-            }
-        }
-        for &face in facets {
-            let at = found.binary_search_by_key(&across(face), |&(side, ..)| side);
-            match at.map_or(State::Missing, |at| found[at].2) {
-                State::Missing => self.missing_facets.push_back(face_key(face)),
-                State::Encroached => self.pending_facets.push_back((face_key(face), demand)),
-                State::Clear => {}
-            }
-        }
+    fn state_of_facet(&self, t: &Triangulation, face: [u32; 3], control: &Control) -> Result<State, Error> {
+        let Some(side) = t.find_face_within(face, control)? else { return Ok(State::Missing) };
+        let apex = |face: u32| t.topology.tet(tet_of(face)).v[slot_of(face)];
+        let other = t.topology.tet(tet_of(side)).n[slot_of(side)];
+        let encroached = [side, other].into_iter().any(|side| self.vertex_encroaches_facet(t, face, apex(side)));
+        Ok(State::of(encroached))
     }
 }
 
@@ -331,13 +284,4 @@ fn first_demand(t: &Triangulation, corners: &[u32]) -> Demand {
     let side = |i: usize| t.at(corners[i]).distance(t.at(corners[(i + 1) % corners.len()]));
     let shortest = (0..corners.len()).map(side).fold(f64::INFINITY, f64::min);
     Demand::of(shortest * FIRST_SPLITS).following()
-}
-
-impl Triangulation {
-    /// The vertices opposite a face, the ghost among them; none when it is no face.
-    fn face_apices(&self, face: [u32; 3]) -> impl Iterator<Item = u32> + '_ {
-        let apex = |face: u32| self.topology.tet(tet_of(face)).v[slot_of(face)];
-        let side = self.find_face(face);
-        side.into_iter().flat_map(move |face| [apex(face), apex(self.topology.tet(tet_of(face)).n[slot_of(face)])])
-    }
 }

@@ -5,6 +5,7 @@
 //! | `refiner` | the loop, and rule 3 |
 //! | [`sizing`] | how large tetrahedra may be |
 //! | `split` | rules 1 and 2 |
+//! | `watch` | what an insertion has created |
 //! | `restore` | recovery of what is missing; each split a transaction |
 //! | [`step`] | the same, one batch at a time, for a host's own loop |
 //! | `near_side` | what samples meet on their own side of the boundary |
@@ -23,6 +24,7 @@ pub(crate) mod restore;
 pub mod sizing;
 pub(crate) mod split;
 pub mod step;
+mod watch;
 
 pub use crate::sampler::Rule;
 pub use crate::sparsify::Sparsify;

@@ -30,7 +30,7 @@ impl Refiner<'_> {
         demand: Demand,
     ) -> Result<Option<DVec3>, Error> {
         let Some((sample, clearance)) = self.given_way.take() else { return Ok(None) };
-        let Some(start) = self.t.face_tetrahedron(face) else { return Ok(None) };
+        let Some(start) = self.t.face_tetrahedron_within(face, &self.control)? else { return Ok(None) };
         let corners = face.map(|v| self.t.at(v));
         let [a, b, c] = self.boundary.in_plane(self.t, face);
         // Made of the sides, so that on a plane of constant x, y or z it lies exactly.

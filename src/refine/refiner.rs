@@ -19,6 +19,7 @@ use super::queue::{shortest_edge, Queue};
 use super::restore::{Element, Record};
 use super::sizing::Sizes;
 use super::split::Split;
+use super::watch::watch;
 use super::{RefineOptions, RefineStatus, Unrefined};
 use crate::domain::boundary::{edge_key, face_key, Boundary, Encroached};
 use crate::domain::pending::Demand;
@@ -63,7 +64,7 @@ pub struct Refiner<'a> {
     edge: f64,
     /// That edge, for the obstacles.
     pub(super) mended: [u32; 2],
-    created: Vec<u32>,
+    pub(super) created: Vec<u32>,
     pub(super) cavity: Cavity,
     /// The vertices around it and their squared distances from its point, but for those of a very large one.
     pub(super) rim: Vec<(u32, f64)>,
@@ -75,7 +76,9 @@ pub struct Refiner<'a> {
     arcs: Vec<Arc>,
     link: Vec<u32>,
     /// Whether bad tetrahedra are looked for yet: not while the boundary is being recovered.
-    watching: bool,
+    pub(super) watching: bool,
+    /// A cancellation has left out a part of what was to be queued: the call must end, whatever the control says later.
+    pub(super) is_cut_short: bool,
     /// Why tetrahedra were left as they are; some of them may have gone since.
     pub reasons: PartedMap<[u32; 4], Unrefined>,
     /// What is demanded of the splits that the tetrahedron in hand asks for.
@@ -134,6 +137,7 @@ impl<'a> Refiner<'a> {
             arcs: Vec::new(),
             link: Vec::new(),
             watching: false,
+            is_cut_short: false,
             reasons: PartedMap::default(),
             demand: Demand::NONE,
             progress: 0.0,
@@ -210,7 +214,7 @@ impl<'a> Refiner<'a> {
             control.poll()
         };
         *turns += 1;
-        if !go_on {
+        if !go_on || self.is_cut_short {
             return Ok(Some(RefineStatus::Cancelled));
         }
         if open == 0 {
@@ -283,6 +287,7 @@ impl<'a> Refiner<'a> {
 
     /// Gives its memory back.
     pub fn give_back_to(&mut self, control: &Control) {
+        self.forget_records();
         control.give_back(std::mem::take(&mut self.queue));
         control.give_back(std::mem::take(&mut self.cavity));
         control.give_back(std::mem::take(&mut self.hole));
@@ -430,13 +435,6 @@ impl<'a> Refiner<'a> {
         Ok(())
     }
 
-    /// Looks at what the sparsifier has created.
-    fn watch_created(&mut self) -> Result<(), Error> {
-        let t = &*self.t;
-        let live = self.created.iter().copied().filter(|&tet| t.topology.tet(tet).is_live());
-        watch(t, &mut self.queue, self.radius_edge, live)
-    }
-
     /// Leaves a tetrahedron as it is.
     fn refuse(&mut self, v: [u32; 4], reason: Unrefined) {
         self.reasons.insert(v, reason);
@@ -523,7 +521,7 @@ impl<'a> Refiner<'a> {
             return Ok(Placed::Spared);
         }
         let new = self.insert_prepared(p)?;
-        self.finish()?;
+        self.finish(new)?;
         Ok(Placed::Inserted(new))
     }
 
@@ -595,54 +593,4 @@ impl<'a> Refiner<'a> {
         self.boundary.unmark(new);
         Ok(new)
     }
-
-    /// Looks at the tetrahedra that the last insertion created.
-    pub(super) fn finish(&mut self) -> Result<(), Error> {
-        if let (Some(sizes), Some(&first)) = (&mut self.sizes, self.cavity.created.first()) {
-            // The vertex that all of them have is the one just inserted.
-            let of = |c: u32| self.t.topology.tet(c).v;
-            let all = |v: &u32| self.cavity.created.iter().all(|&c| of(c).contains(v));
-            let Some(new) = of(first).into_iter().find(|v| *v != GHOST && all(v)) else { return Ok(()) };
-            let around: Vec<u32> = self.cavity.created.iter().flat_map(|&c| self.t.topology.tet(c).v).collect();
-            sizes.add_vertex(self.t, new, around.into_iter().filter(|&v| v != new && v != GHOST));
-            if self.watching {
-                let created = std::mem::take(&mut self.cavity.created);
-                self.watch_size(&created)?;
-                self.cavity.created = created;
-            }
-        }
-        if !self.watching {
-            return Ok(());
-        }
-        watch(self.t, &mut self.queue, self.radius_edge, self.cavity.created.iter().copied())
-    }
-
-    /// Queues those of some tetrahedra that are in the domain and too large.
-    fn watch_size(&mut self, some: &[u32]) -> Result<(), Error> {
-        let Some(sizes) = &mut self.sizes else { return Ok(()) };
-        let inside: Vec<u32> = some.iter().copied().filter(|&t| self.t.is_inside(t)).collect();
-        for t in sizes.too_large(self.t, &inside) {
-            // A bad one is queued as such.
-            if !exceeds_radius_edge(self.t.corners(t), self.radius_edge) {
-                self.queue.push(self.t, t, shortest_edge(self.t, t).1)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Queues those tetrahedra that are in the domain and bad.
-pub(super) fn watch(
-    t: &Triangulation,
-    queue: &mut Queue,
-    radius_edge: f64,
-    tets: impl Iterator<Item = u32>,
-) -> Result<(), Error> {
-    for (four, count) in in_fours(tets.filter(|&tet| t.is_inside(tet))) {
-        let (bad, shortest) = four_exceed_radius_edge(&four.map(|tet| t.corner_refs(tet)), radius_edge);
-        for i in (0..count).filter(|i| bad >> i & 1 != 0) {
-            queue.push(t, four[i], shortest[i])?;
-        }
-    }
-    Ok(())
 }

@@ -10,11 +10,13 @@
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::refiner::{watch, Refiner};
+use super::refiner::Refiner;
 use super::split::{Split, NEVER};
+use super::watch::watch;
 use crate::domain::boundary::{face_keys, Standing};
 use crate::domain::facet::FacetChange;
 use crate::domain::label::OUTSIDE;
+use crate::domain::outlook::{LabelsAhead, Outlook};
 use crate::domain::pending::Demand;
 use crate::domain::Boundary;
 use crate::geometry::predicates::orient3d;
@@ -38,6 +40,8 @@ pub struct Record {
     changes: Vec<(u32, FacetChange)>,
     /// The tetrahedra that went for the vertex, or those at it if it was there, and their labels.
     labels: Labels,
+    /// What was seen beforehand of the labels around a vertex that was inserted.
+    ahead: LabelsAhead,
 }
 
 /// Tetrahedra by their vertices, with their labels, as they were stored: few are ever looked up, after they have been put [in order](labels_in_order).
@@ -151,27 +155,22 @@ impl Refiner<'_> {
 
     /// Splits an element; what follows from it is done at once, or all of it is taken back and the element blocked.
     pub fn transact(&mut self, element: Element, demand: Demand) -> Result<Split, Error> {
-        self.records.clear();
+        self.forget_records();
         let pending = (self.boundary.pending_segments.len(), self.boundary.pending_facets.len());
         let split = match element {
             Element::Segment(edge) => self.split_segment(edge, demand)?,
             Element::Facet(face) => self.split_facet(face, demand)?,
         };
-        let follows = self.boundary.misses();
-        if !follows || self.follow(demand.following())? {
-            let stars = self.changed_stars();
-            let mut sound = !follows && !self.leaks(&stars);
-            let plain = sound;
-            if !sound {
-                // Where rounding has put a vertex beside its facet, what is beyond may have come to the other side.
-                sound = self.relabel(stars.clone())? && !self.leaks(&stars);
-            }
-            if sound {
-                if !(plain && self.new_subfacets_part(&stars)) {
-                    self.boundary.note_labels(self.t, &stars);
-                }
+        if self.boundary.misses() {
+            // What follows may have come to the other side of its facet, as what rounding has put beside one.
+            if self.follow(demand.following())? && self.relabel_changed()? {
                 return Ok(split);
             }
+        } else if !self.leaks() {
+            self.note_labels();
+            return Ok(split);
+        } else if self.relabel_changed()? {
+            return Ok(split);
         }
         self.take_back()?;
         self.boundary.pending_segments.truncate(pending.0);
@@ -192,6 +191,33 @@ impl Refiner<'_> {
                 created
             }
             records => records.iter().flat_map(|record| self.t.topology.star(record.vertex)).collect(),
+        }
+    }
+
+    /// Finds labels around the vertices of the transaction anew; whether that has mended all.
+    fn relabel_changed(&mut self) -> Result<bool, Error> {
+        let stars = self.changed_stars();
+        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars);
+        if sound {
+            self.boundary.note_labels(self.t, &stars);
+        }
+        Ok(sound)
+    }
+
+    /// After a transaction of one split, which leaves nothing missing and no label wrong: notes whether labels show subfacets still.
+    fn note_labels(&mut self) {
+        match &self.records[..] {
+            [] => {}
+            [record] if record.inserted => {
+                debug_assert_eq!(record.ahead.parted, self.new_subfacets_part(&self.changed_stars()));
+                if !record.ahead.parted {
+                    self.boundary.note_ahead(record.ahead);
+                }
+            }
+            _ => {
+                let stars = self.changed_stars();
+                self.boundary.note_labels(self.t, &stars);
+            }
         }
     }
 
@@ -218,28 +244,50 @@ impl Refiner<'_> {
         (vertex, inserted): (u32, bool),
         before: Standing,
         changes: Vec<(u32, FacetChange)>,
-        labels: Labels,
+        (labels, outlook): (Labels, Outlook),
     ) {
         if !self.boundary.recovering {
-            self.records.push(Record { vertex, inserted, before, changes, labels });
+            self.records.push(Record { vertex, inserted, before, changes, labels, ahead: outlook.labels });
         }
     }
 
-    /// The labels of what the cavity takes out.
-    pub(super) fn labels_of_cavity(&self) -> Labels {
-        self.labels_of(&self.cavity.tets)
+    /// Forgets the last transaction.
+    pub(super) fn forget_records(&mut self) {
+        /// What fewer have taken is given back in no time.
+        const MANY: usize = 1 << 16;
+        for record in self.records.drain(..).filter(|record| record.labels.len() > MANY) {
+            self.control.give_back(record.labels);
+        }
     }
 
-    pub(super) fn labels_of(&self, tets: &[u32]) -> Labels {
+    /// The labels of some tetrahedra, unless the control says stop.
+    pub(super) fn labels_of(&self, tets: &[u32]) -> Result<Labels, Error> {
         let topology = &self.t.topology;
         if self.boundary.recovering || topology.region.is_empty() {
-            return Labels::new();
+            return Ok(Labels::new());
         }
-        tets.iter().map(|&tet| (topology.tet(tet).v, topology.region[tet as usize])).collect()
+        let (turns, mut labels) = (self.control.turns(), Labels::with_capacity(tets.len()));
+        for &tet in tets {
+            turns.check()?;
+            labels.push((topology.tet(tet).v, topology.region[tet as usize]));
+        }
+        Ok(labels)
+    }
+
+    /// Whether there is a leak after the one split of a transaction, as [`stars_leak`](Self::stars_leak) says.
+    fn leaks(&self) -> bool {
+        match &self.records[..] {
+            [] => false,
+            [record] if record.inserted => {
+                debug_assert_eq!(record.ahead.leak || self.meant_leak(), self.stars_leak(&self.changed_stars()));
+                record.ahead.leak || self.meant_leak()
+            }
+            _ => self.stars_leak(&self.changed_stars()),
+        }
     }
 
     /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
-    fn leaks(&self, tets: &[u32]) -> bool {
+    fn stars_leak(&self, tets: &[u32]) -> bool {
         let topology = &self.t.topology;
         if topology.region.is_empty() {
             return false;
@@ -248,16 +296,21 @@ impl Refiner<'_> {
             let differs = |&slot: &usize| topology.labels_differ(tet, slot);
             (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(topology.tet(tet).face(slot)))
         };
+        tets.iter().any(leaks) || self.meant_leak()
+    }
+
+    /// Whether faces that were subfacets until now, and may be beside all that has changed, have different labels on their sides.
+    fn meant_leak(&self) -> bool {
+        let topology = &self.t.topology;
         // The first ones that a split replaces are those that its point was meant for, wherever rounding has put it: they may stay in space, beside the vertex
         // and all that it touches. All others are known to go, or to touch it.
         const MEANT: usize = 2;
         let replaced = self.records.iter().flat_map(|record| &record.changes);
         let mut meant = replaced.flat_map(|(_, change)| change.removed.iter().take(MEANT));
-        tets.iter().any(leaks)
-            || meant.any(|&face| {
-                let parts = |handle: u32| topology.labels_differ(tet_of(handle), slot_of(handle));
-                !self.boundary.is_subfacet(face) && self.t.find_face(face).is_some_and(parts)
-            })
+        meant.any(|&face| {
+            let parts = |handle: u32| topology.labels_differ(tet_of(handle), slot_of(handle));
+            !self.boundary.is_subfacet(face) && self.t.find_face(face).is_some_and(parts)
+        })
     }
 
     /// Whether all new subfacets of a transaction that has inserted one vertex, with this star, have different labels on their sides; where no other face

@@ -1,11 +1,14 @@
 //! Boundary rules 1 and 2: splitting a subsegment or a subfacet.
 
+use std::collections::VecDeque;
+
 use glam::DVec3;
 
 use super::refiner::{Refiner, MANY};
-use super::restore::Element;
+use super::restore::{Element, Labels};
 use crate::domain::boundary::{edge_key, face_keys, Boundary};
 use crate::domain::facet::FacetChange;
+use crate::domain::outlook::{Coming, Outlook};
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::{check_range, flush_tiny};
@@ -26,6 +29,13 @@ pub enum Split {
     Blocked,
 }
 
+/// Sorts what comes behind the first so many entries of a queue, of which the rest stays where it is.
+fn sort_last<K: Copy + Ord>(queue: &mut VecDeque<(K, Demand)>, first: usize) {
+    let mut last: Vec<_> = queue.drain(first..).collect();
+    last.sort_unstable_by_key(|&(key, _)| key);
+    queue.extend(last);
+}
+
 impl Refiner<'_> {
     /// Rule 1: splits a subsegment near its middle. After an error, that of a cancellation perhaps, it is blocked, and will be tried again by the next call.
     pub(super) fn split_segment(&mut self, edge: [u32; 2], demand: Demand) -> Result<Split, Error> {
@@ -40,7 +50,7 @@ impl Refiner<'_> {
         self.boundary.reserve()?;
         let p = flush_tiny(self.boundary.split_point(self.t, edge));
         let [a, b] = edge.map(|v| self.t.at(v));
-        let found = self.t.find_edge(edge[0], edge[1]);
+        let found = self.t.find_edge_within(edge[0], edge[1], &self.control)?;
         let start = found.map_or(self.t.topology.vertex_tet[edge[0] as usize], |e| e.0);
         if self.boundary.keeps(found.is_some()) {
             return Ok(self.block_segment(edge, NEVER));
@@ -51,20 +61,26 @@ impl Refiner<'_> {
             (false, Err(Unplaced::Occupied(existing))) if !edge.contains(&existing) => {
                 self.cavity.clear();
                 let p = self.t.at(existing);
-                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p, &self.control)?;
                 // Rounding may have put it there for another segment, but no subsegment or subfacet can be one of two.
                 let shared = edge.iter().any(|&end| self.boundary.is_subsegment([end, existing]));
                 if shared || self.boundary.folds(&changes) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
+                let star = self.t.star_within(existing, &self.control)?;
+                let labels = self.labels_of(&star)?;
+                let slot = |tet: u32| self.t.topology.tet(tet).slot(existing);
+                let faces: Vec<u32> = star.iter().filter_map(|&tet| Some(4 * tet + slot(tet)? as u32)).collect();
+                let coming =
+                    Coming { vertex: existing, at: p, edge: Some(edge), changes: &changes, faces: &faces, going: &[] };
+                let outlook = self.boundary.foresee(self.t, coming, &self.control)?;
                 self.boundary.apply(&changes, p);
-                let star = self.t.topology.star(existing);
-                let labels = self.labels_of(&star);
                 let before = self.boundary.standing(existing, Some(edge), &changes);
+                self.boundary.segment_changed(edge, existing, &changes);
                 let pending = self.pending();
-                self.boundary.segment_changed(self.t, edge, existing, &changes, &star, demand.following());
+                self.boundary.take_in(self.t, &outlook, &star, demand.following());
                 self.sort_pending(pending);
-                self.record((existing, false), before, changes, labels);
+                self.record((existing, false), before, changes, (labels, outlook));
                 Ok(Split::Done(existing))
             }
             (_, Err(Unplaced::Cancelled)) => Err(Error::Cancelled),
@@ -78,22 +94,19 @@ impl Refiner<'_> {
                     return Ok(self.block_segment(edge, reach));
                 }
                 let next = self.t.next_vertex();
-                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p);
+                let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p, &self.control)?;
                 if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
                     return Ok(self.block_segment(edge, NEVER));
                 }
-                let labels = self.labels_of_cavity();
+                let seen = self.foresee((next, p), Some(edge), &changes)?;
                 let new = self.insert_prepared(p)?;
+                debug_assert_eq!(new, next);
                 self.boundary.apply(&changes, p);
                 let before = self.boundary.standing(new, Some(edge), &changes);
-                let after = demand.following();
-                let pending = self.pending();
-                self.boundary.segment_changed(self.t, edge, new, &changes, &self.cavity.created, after);
-                self.boundary.enqueue_for(self.t, new, &mut self.encroached, after);
-                self.sort_pending(pending);
-                self.finish()?;
+                self.boundary.segment_changed(edge, new, &changes);
+                self.split_done(new, &seen.1, demand.following())?;
                 self.segment_splits += 1;
-                self.record((new, true), before, changes, labels);
+                self.record((new, true), before, changes, seen);
                 Ok(Split::Done(new))
             }
             _ => Ok(self.block_segment(edge, NEVER)),
@@ -145,7 +158,7 @@ impl Refiner<'_> {
             return Ok(self.after(face, vec![edge], demand));
         }
         let corners = face.map(|v| self.t.at(v));
-        let found = self.t.face_tetrahedron(face);
+        let found = self.t.face_tetrahedron_within(face, &self.control)?;
         let start = found.unwrap_or(self.t.topology.vertex_tet[face[0] as usize]);
         let too_near = corners.iter().any(|c| c.distance(p) < self.min_edge);
         let ready = self.ready.take().filter(|&(at, _)| at == p);
@@ -170,7 +183,8 @@ impl Refiner<'_> {
         }
         // The planar triangulation first: it may refuse the point.
         let new = self.t.next_vertex();
-        let Some(change) = self.boundary.plan_on_facet(self.t, &self.cavity, start_triangle, new, p) else {
+        let planned = self.boundary.plan_on_facet(self.t, &self.cavity, start_triangle, new, p, &self.control)?;
+        let Some(change) = planned else {
             return Ok(self.block_facet(face, NEVER));
         };
         let changes = [change];
@@ -180,21 +194,38 @@ impl Refiner<'_> {
         if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
             return Ok(self.block_facet(face, NEVER));
         }
-        let labels = self.labels_of_cavity();
+        let seen = self.foresee((new, p), None, &changes)?;
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
         self.boundary.apply(&changes, p);
         let before = self.boundary.standing(new, None, &changes);
         let [(facet, change)] = &changes;
-        let after = demand.following();
-        let pending = self.pending();
-        self.boundary.facet_changed(self.t, new, *facet, change, &self.cavity.created, after);
-        self.boundary.enqueue_for(self.t, new, &mut self.encroached, after);
-        self.sort_pending(pending);
-        self.finish()?;
+        self.boundary.facet_changed(new, *facet, change);
+        self.split_done(new, &seen.1, demand.following())?;
         self.facet_splits += 1;
-        self.record((new, true), before, changes.into(), labels);
+        self.record((new, true), before, changes.into(), seen);
         Ok(Split::Done(new))
+    }
+
+    /// What the vertex that the cavity is of takes out, and what it will bring. The last look at all of it that a control can cancel, but for the plan.
+    fn foresee(
+        &self,
+        (vertex, at): (u32, DVec3),
+        edge: Option<[u32; 2]>,
+        changes: &[(u32, FacetChange)],
+    ) -> Result<(Labels, Outlook), Error> {
+        let going: Vec<[u32; 3]> = self.encroached.taken_facets().collect();
+        let coming = Coming { vertex, at, edge, changes, faces: &self.cavity.faces, going: &going };
+        Ok((self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?))
+    }
+
+    /// What follows when the vertex of a split is there.
+    fn split_done(&mut self, new: u32, outlook: &Outlook, demand: Demand) -> Result<(), Error> {
+        let pending = self.pending();
+        self.boundary.take_in(self.t, outlook, &self.cavity.created, demand);
+        self.boundary.enqueue_for(self.t, new, &mut self.encroached, demand);
+        self.sort_pending(pending);
+        self.finish(new)
     }
 
     fn pending(&self) -> [usize; 2] {
@@ -205,10 +236,10 @@ impl Refiner<'_> {
     fn sort_pending(&mut self, [segments, facets]: [usize; 2]) {
         let Boundary { pending_segments, pending_facets, .. } = &mut *self.boundary;
         if pending_segments.len() > segments + 1 {
-            pending_segments.make_contiguous()[segments..].sort_unstable_by_key(|&(key, _)| key);
+            sort_last(pending_segments, segments);
         }
         if pending_facets.len() > facets + 1 {
-            pending_facets.make_contiguous()[facets..].sort_unstable_by_key(|&(key, _)| key);
+            sort_last(pending_facets, facets);
         }
     }
 

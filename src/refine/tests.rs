@@ -1,3 +1,4 @@
+mod crowded;
 mod lazy;
 
 use super::*;

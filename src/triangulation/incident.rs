@@ -2,7 +2,9 @@
 
 use rustc_hash::FxHashSet;
 
-use super::topology::{tet_of, Topology, NONE};
+use super::topology::{tet_of, Topology, GHOST, NONE};
+use super::Triangulation;
+use crate::{Control, Error};
 
 /// A walk through the tetrahedra at a vertex, ghosts included. The triangulation must stay as it is meanwhile.
 pub struct StarWalk {
@@ -55,6 +57,72 @@ impl StarWalk {
         self.star.reserve(FEW);
         while self.next(topology).is_some() {}
         self.star
+    }
+}
+
+impl Triangulation {
+    /// The tetrahedra at a vertex as [`Topology::star`] has them, unless the control says stop.
+    pub(crate) fn star_within(&self, vertex: u32, control: &Control) -> Result<Vec<u32>, Error> {
+        let (turns, mut walk) = (control.turns(), StarWalk::new(&self.topology, vertex));
+        while walk.next(&self.topology).is_some() {
+            turns.check()?;
+        }
+        Ok(walk.star)
+    }
+}
+
+/// A search for a tetrahedron by its vertices, through the stars of all of them in turn: linear in the smallest one. It needs no coordinates, and it can
+/// be left as the walks can.
+pub struct Search<const N: usize> {
+    vertices: [u32; N],
+    walks: [Option<StarWalk>; N],
+    turns: usize,
+}
+
+impl<const N: usize> Search<N> {
+    /// For a tetrahedron with all of these vertices.
+    pub fn new(topology: &Topology, vertices: [u32; N]) -> Search<N> {
+        /// So many tetrahedra of one star are looked through before others are tried: most stars are smaller.
+        const FIRST: usize = 16;
+        let walks = vertices.map(|v| (v != GHOST).then(|| StarWalk::new(topology, v)));
+        Search { vertices, walks, turns: FIRST }
+    }
+
+    /// Looks at so many tetrahedra of each star, and some more perhaps: what it has found, if it knows.
+    pub fn look(&mut self, topology: &Topology, most: usize) -> Option<Option<u32>> {
+        let Search { vertices, walks, turns } = self;
+        if walks.iter().all(Option::is_none) {
+            return Some(None);
+        }
+        let mut looked = 0;
+        while looked < most {
+            let now = (*turns).min(most);
+            for walk in walks.iter_mut().flatten() {
+                for _ in 0..now {
+                    // The whole star of one of them is enough.
+                    let Some(t) = walk.next(topology) else { return Some(None) };
+                    let v = topology.tet(t).v;
+                    if vertices.iter().all(|x| v.contains(x)) {
+                        return Some(Some(t));
+                    }
+                }
+            }
+            looked += now;
+            *turns = turns.saturating_mul(2);
+        }
+        None
+    }
+
+    /// Looks on until it knows, unless the control says stop.
+    pub fn finish(mut self, topology: &Topology, control: &Control) -> Result<Option<u32>, Error> {
+        /// Tetrahedra between two looks at the control.
+        const PART: usize = 1 << 10;
+        loop {
+            if let Some(found) = self.look(topology, PART) {
+                return Ok(found);
+            }
+            control.check()?;
+        }
     }
 }
 

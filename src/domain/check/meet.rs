@@ -18,7 +18,7 @@ use crate::geometry::Sign;
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
 use crate::sorting::{sort_by, sort_unique};
-use crate::{Control, DVec3, DomainElement, Error};
+use crate::{memory, Control, DVec3, DomainElement, Error};
 
 /// Completes an arrangement by the points on sides and facets, and notes what meets where it should not.
 pub(super) fn find(
@@ -179,6 +179,8 @@ fn points_in_facets(
         }
     }
     sort_unique(&mut found, &control.watch())?;
+    // At once: a long list would be moved as it grows.
+    memory::reserve(defects, found.len(), "defects")?;
     for (facet, v) in found {
         turns.check()?;
         if on_sides.contains_key(&(facet, v)) {

@@ -23,7 +23,7 @@ mod tests;
 pub use defect::{PlcDefect, PlcDefectKind, Severity};
 
 use super::plc::Plc;
-use crate::leavings::InPieces;
+use crate::leavings::{give_elements_back, InPieces, Leavings};
 use crate::sorting::sort_by;
 use crate::{Control, DVec3, DomainElement, Error};
 use arrangement::Arrangement;
@@ -71,27 +71,40 @@ impl Plc {
 
     /// [`check`](Self::check), unless a control cancels it: [`Error::Cancelled`].
     pub fn check_within(&self, control: &Control) -> Result<PlcCheck, Error> {
-        self.examine(true, control).map(|(check, _)| check)
+        self.examine(true, control).map(|(check, _)| check.keep())
     }
 
     /// The complex taken apart, or the first error.
     pub(crate) fn arrange<'a>(&self, control: &'a Control) -> Result<InPieces<'a, Arrangement>, Error> {
         let (check, arrangement) = self.examine(false, control)?;
-        let first = check.errors().next().map(PlcDefect::error);
+        // Of those that are alike in their order, the one found first.
+        let first = check.errors().min_by(|a, b| PlcDefect::order(a, b)).map(PlcDefect::error);
         first.map_or(Ok(arrangement), Err)
     }
 
-    /// With `all`, also what is no error and only of interest.
-    fn examine<'a>(&self, all: bool, control: &'a Control) -> Result<(PlcCheck, InPieces<'a, Arrangement>), Error> {
-        let mut check = PlcCheck::default();
+    /// With `all`, also what is no error and only of interest, and in order.
+    fn examine<'a>(
+        &self,
+        all: bool,
+        control: &'a Control,
+    ) -> Result<(InPieces<'a, PlcCheck>, InPieces<'a, Arrangement>), Error> {
+        let mut check = InPieces::new(PlcCheck::default(), control);
         let mut arrangement = Arrangement::new(self, &mut check.defects, control)?;
         meet::find(self, &mut arrangement, &mut check.defects, control)?;
         control.check()?;
         if all {
             edges::find(&arrangement, &mut check, control)?;
+            check.defects = in_order(std::mem::take(&mut check.defects), control)?;
         }
-        check.defects = in_order(std::mem::take(&mut check.defects), control)?;
         Ok((check, arrangement))
+    }
+}
+
+impl Leavings for PlcCheck {
+    fn give_back(&mut self) -> bool {
+        /// Defects given back at once: each has memory of its own.
+        const PART: usize = 1 << 12;
+        give_elements_back(&mut self.defects, PART)
     }
 }
 

@@ -1,0 +1,122 @@
+//! The boundary beside a vertex with all others around it: each split changes a large star.
+
+use super::refiner::{Placed, Refiner};
+use super::restore::Element;
+use super::split::Split;
+use super::*;
+use crate::domain::pending::Demand;
+use crate::samples::facet;
+
+const COUNT: usize = 5000;
+
+/// A triangle from the centre of a sphere on which most vertices are, within a box, and a point that encroaches upon it.
+fn centred() -> Mesh {
+    let mut plc = Plc::boxed(DVec3::splat(-2.0), DVec3::splat(2.0), on_a_sphere(COUNT));
+    let centre = plc.points.len() as u32;
+    plc.points.extend([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.1, 0.4, 0.0], [0.2, 0.15, 0.01]].map(DVec3::from));
+    plc.facets.push(facet([centre, centre + 1, centre + 2], 7));
+    Mesh::from_plc(&plc, &Control::new()).unwrap()
+}
+
+/// The longest side of the triangle at the centre.
+fn side(mesh: &Mesh) -> [u32; 2] {
+    let centre = COUNT as u32 + 8;
+    let boundary = mesh.boundary().unwrap();
+    let at_centre = |&([a, b], _): &([u32; 2], u32)| a == centre || b == centre;
+    let length = |[a, b]: [u32; 2]| mesh.triangulation().at(a).distance(mesh.triangulation().at(b));
+    let sides = boundary.subsegments().into_iter().filter(at_centre).map(|(edge, _)| edge);
+    sides.max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap()
+}
+
+#[test]
+fn a_refinement_is_cancelled_amid_splits_in_large_stars() {
+    let mesh = centred();
+    let vertices = mesh.view().points.len();
+    for sparsify in [Some(Sparsify::Off), None] {
+        let some = RefineOptions { max_vertices: vertices + 4, sparsify, ..RefineOptions::default() };
+        let control = Control::new();
+        let looks = control.looks(None, || assert!(mesh.clone().refine(&some, &control).is_ok()));
+        assert!(looks > 100, "{looks}");
+        let mut changed = 0;
+        for (turn, last) in (1..looks).step_by(looks / 50).enumerate() {
+            let mut mesh = mesh.clone();
+            control.looks(Some(last), || {
+                let report = mesh.refine(&some, &control).unwrap();
+                assert_eq!(report.status, RefineStatus::Cancelled, "look {last} of {looks}");
+            });
+            mesh.validate(3).unwrap();
+            changed += usize::from(mesh.view().points.len() > vertices);
+            if turn % 10 == 0 {
+                let all = RefineOptions { sparsify, ..RefineOptions::default() };
+                assert_eq!(mesh.refine(&all, &Control::new()).unwrap().status, RefineStatus::Done);
+                check(&mesh, 2.0, 64.0);
+            }
+        }
+        assert!(changed > 5, "{changed}");
+    }
+}
+
+/// Has `insert` insert a vertex and cancels it at each look: it does all of it or nothing, and then the call ends. How often it did nothing, and how often it
+/// left out a look at what it had created.
+fn cancel_at_each_look(mesh: &Mesh, insert: impl Fn(&mut Refiner) -> Result<bool, Error>) -> [usize; 2] {
+    let vertices = mesh.triangulation().vertex_count();
+    let elements = |mesh: &Mesh| mesh.boundary().map(|boundary| (boundary.subsegments(), boundary.subfacets()));
+    let [mut refused, mut cut_short] = [0; 2];
+    for last in 1.. {
+        let mut changed = mesh.clone();
+        let control = Control::new();
+        let (t, boundary) = changed.parts();
+        let mut refiner = Refiner::new(t, boundary.unwrap(), &RefineOptions::default());
+        refiner.watch_with(&control);
+        let mut inserted = None;
+        let looks = control.looks(Some(last), || inserted = Some(insert(&mut refiner)));
+        match inserted.unwrap() {
+            Err(error) => {
+                assert_eq!((error, refiner.is_cut_short), (Error::Cancelled, false));
+                refused += 1;
+                assert_eq!(changed.triangulation().vertex_count(), vertices);
+                assert!(elements(&changed) == elements(mesh));
+            }
+            Ok(inserted) => {
+                assert!(inserted);
+                // Though the control is as new.
+                let end = refiner.limit(&mut 0, "refine", &control).unwrap();
+                let is_cut_short = end == Some(RefineStatus::Cancelled);
+                assert_eq!(is_cut_short, looks >= last);
+                cut_short += usize::from(is_cut_short);
+                assert_eq!(changed.triangulation().vertex_count(), vertices + 1);
+                if !is_cut_short {
+                    changed.validate(3).unwrap();
+                    break;
+                }
+            }
+        }
+        if last % 16 == 0 {
+            changed.validate(3).unwrap();
+        }
+    }
+    [refused, cut_short]
+}
+
+#[test]
+fn a_split_in_a_large_star_is_done_whole_or_not_at_all() {
+    let mesh = centred();
+    let star = mesh.triangulation().topology.star(COUNT as u32 + 8).len();
+    assert!(star > COUNT / 2, "{star}");
+    let edge = side(&mesh);
+    let [refused, cut_short] = cancel_at_each_look(&mesh, |refiner| {
+        refiner.transact(Element::Segment(edge), Demand::NONE).map(|split| matches!(split, Split::Done(_)))
+    });
+    assert!(refused > 20 && cut_short > 10, "{refused} {cut_short}");
+}
+
+#[test]
+fn a_sample_in_a_large_star_is_inserted_whole_or_not_at_all() {
+    let mesh = centred();
+    let [refused, cut_short] = cancel_at_each_look(&mesh, |refiner| {
+        let near = refiner.t.recent();
+        let placed = refiner.place(DVec3::new(-0.1, -0.1, 0.05), near);
+        placed.map(|placed| matches!(placed, Placed::Inserted(_)))
+    });
+    assert!(refused > 20 && cut_short > 10, "{refused} {cut_short}");
+}
