@@ -195,7 +195,7 @@ fn boundaries(count: usize) {
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         for (name, sparsify) in [(&names[1], None), (&names[2], Some(Sparsify::Off))] {
             let limits =
-                RefineOptions { max_vertices: mesh.view().points.len() + 20_000, sparsify, ..RefineOptions::default() };
+                RefineOptions { max_vertices: mesh.view().points.len() + 4_000, sparsify, ..RefineOptions::default() };
             measure(name, 24, fresh, |mesh, control| {
                 mesh.refine(&limits, control).unwrap();
             });

@@ -173,8 +173,8 @@ pub unsafe extern "C" fn wsp_control_free(control: *mut wsp_control) {
 /// reset or freed. Any thread may call this, a callback too. Constant time.
 ///
 /// What a call does in one step it ends first. A step takes longer than that where one vertex has a star of a million tetrahedra, as the centre of as many
-/// points on a sphere has: some 50 ms to put such a vertex in, about a second to split the boundary beside it. With a facet of half a million points steps
-/// take up to 20 ms.
+/// points on a sphere has: some 50 ms to put such a vertex in, 20 to 40 ms to split the boundary beside it. A split that takes other elements of the
+/// boundary out is ended together with those that follow from it: 0.15 s were measured for 24 of them there.
 /// Errors: WSP_ERR_NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_control_cancel(control: *mut wsp_control) -> wsp_status {
