@@ -22,6 +22,21 @@ pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> 
     list.try_reserve(more).map_err(none_for(what))
 }
 
+/// [`reserve`] for a list that is empty. What it has taken is given back in pieces if it is not enough: to have it made longer would be a copy of what nobody needs.
+pub(crate) fn reserve_anew<T: Send + 'static>(
+    list: &mut Vec<T>,
+    count: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<(), Error> {
+    debug_assert!(list.is_empty() && !std::mem::needs_drop::<T>());
+    if list.capacity() < count {
+        control.give_back(std::mem::take(list));
+        *list = with_room(count, what)?;
+    }
+    Ok(())
+}
+
 /// [`reserve`], and no more than that.
 pub(crate) fn reserve_exact<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> Result<(), Error> {
     list.try_reserve_exact(more).map_err(none_for(what))

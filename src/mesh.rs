@@ -108,7 +108,9 @@ impl Mesh {
         if let Some(error) = mesh.unrecovered(control)? {
             return Err(error);
         }
-        if mesh.inside().next().is_none() {
+        let turns = control.turns();
+        if mesh.t.topology.live().take_while(|_| turns.go_on()).all(|t| !mesh.t.is_inside(t)) {
+            turns.end()?;
             return Err(whole("its facets enclose no volume"));
         }
         Ok(mesh.keep())

@@ -6,7 +6,7 @@ use crate::control::Watch;
 use crate::{memory, Error};
 
 /// Elements that are sorted between two looks at the control: about a millisecond.
-const PART: usize = 1 << 15;
+const PART: usize = 1 << 13;
 /// Elements that are merged.
 const POLL_INTERVAL: usize = 1 << 12;
 

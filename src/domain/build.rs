@@ -82,6 +82,9 @@ impl Boundary {
                 ghosts.push(g);
             }
         }
+        // A list of a million that grows is moved for some ten milliseconds. What of these is not needed is never touched.
+        _ = boundary.facets.try_reserve_exact(ghosts.len());
+        _ = boundary.segments.try_reserve_exact(ghosts.len() / 2 * 3);
         let mut facet_of = InPieces::new(PartedMap::default(), control);
         for &seed in &*ghosts {
             if facet_of.contains_key(&seed) {

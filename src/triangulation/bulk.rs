@@ -65,7 +65,7 @@ impl Triangulation {
         }
         let SpatialOrder { order, rounds, ends } = SpatialOrder::new(points, threads, control)?;
         let (order, mut rounds) = (InPieces::new(order, control), InPieces::new(Each(rounds), control));
-        memory::reserve(&mut self.points, points.len(), "points")?;
+        memory::grow(&mut self.points, points.len(), "points", control)?;
         // Seven for each point, and what divided places leave unused.
         memory::reserve(&mut self.topology.tets, points.len() / 2 * 15, "tetrahedra")?;
         debug_assert_eq!(order.len(), points.len());

@@ -49,8 +49,8 @@ impl LargeStar {
         self.planned.clear();
         self.sides.clear();
         self.ghosts = 0;
-        memory::reserve(&mut self.planned, faces.len(), "star")?;
-        memory::reserve(&mut self.sides, 3 * faces.len(), "star")?;
+        memory::reserve_anew(&mut self.planned, faces.len(), "star", control)?;
+        memory::reserve_anew(&mut self.sides, 3 * faces.len(), "star", control)?;
         for part in faces.chunks(PART) {
             control.check()?;
             for &face in part {
@@ -84,17 +84,22 @@ impl LargeStar {
     fn sort(&mut self, end: usize, labels: usize, control: &Control) -> Result<(), Error> {
         let LargeStar { sides, sorted, places, .. } = self;
         places.clear();
-        memory::reserve(places, labels + 1, "star")?;
-        places.resize(labels + 1, 0);
-        memory::reserve(sorted, sides.len().saturating_sub(sorted.len()), "star")?;
+        memory::lengthen(places, labels + 1, 0, "star", control)?;
+        sorted.clear();
+        memory::reserve_anew(sorted, sides.len(), "star", control)?;
         for part in sides.chunks(PART) {
             control.check()?;
             part.iter().for_each(|side| places[side.ends[end] as usize + 1] += 1);
             // Its memory is touched for the first time in parts as well.
-            sorted.resize(sorted.len().max((sorted.len() + PART).min(sides.len())), Side::default());
+            sorted.resize((sorted.len() + PART).min(sides.len()), Side::default());
         }
-        for i in 1..places.len() {
-            places[i] += places[i - 1];
+        let mut before = 0;
+        for part in places.chunks_mut(PART) {
+            control.check()?;
+            for place in part {
+                before += *place;
+                *place = before;
+            }
         }
         for part in sides.chunks(PART) {
             control.check()?;
@@ -104,7 +109,6 @@ impl LargeStar {
                 *place += 1;
             }
         }
-        sorted.truncate(sides.len());
         std::mem::swap(sides, sorted);
         Ok(())
     }

@@ -421,6 +421,8 @@ impl Triangulation {
         // By small tetrahedron: its position among the coming.
         number.clear();
         memory::lengthen(number, small.tets.len(), NONE, "hole", control)?;
+        // All of them at most: a list that grows is moved.
+        memory::reserve_anew(coming, small.live_count(), "hole", control)?;
         // Without faces the hole is everything.
         let everything = faces.is_empty();
         let (mut found, mut next) = (0, 0);
