@@ -87,10 +87,10 @@ impl Control {
         &NEVER
     }
 
-    /// Whether it is [that one](Self::never).
+    /// Whether it is [that one](Self::never), or a clone of it.
     #[inline]
     pub(crate) fn is_never(&self) -> bool {
-        std::ptr::eq(self, Control::never())
+        Arc::ptr_eq(&self.shared, &Control::never().shared)
     }
 
     /// A control that reports progress to `callback`, which returns `false` to cancel.

@@ -80,20 +80,34 @@ impl Boundary {
 
     /// Looks at tetrahedra that have changed: when one of the subfacets at them lies between equal labels, labels don't show subfacets any more. That is so where
     /// facets have the same subfacet, because vertices of both are one by rounding.
-    pub(crate) fn note_labels(&mut self, t: &Triangulation, tets: &[u32]) {
+    pub(crate) fn note_labels(&mut self, t: &Triangulation, tets: &[u32], control: &Control) -> Result<(), Error> {
+        self.parts_labels = self.parts_labels && !self.labels_hide(t, tets, control)?;
+        Ok(())
+    }
+
+    /// Whether one of the subfacets at these tetrahedra lies between equal labels.
+    fn labels_hide(&self, t: &Triangulation, tets: &[u32], control: &Control) -> Result<bool, Error> {
         if t.topology.region.is_empty() {
-            return;
+            return Ok(false);
         }
+        let turns = control.turns();
         let hidden = |&tet: &u32| {
             let face = |slot: usize| t.topology.tet(tet).face(slot);
             (0..4).any(|slot| !t.topology.labels_differ(tet, slot) && self.is_subfacet(face(slot)))
         };
-        self.parts_labels = self.parts_labels && !tets.iter().any(hidden);
+        let hides = tets.iter().take_while(|_| turns.go_on()).any(hidden);
+        turns.end().map(|()| hides)
     }
 
     /// The same of a vertex's star that was [looked at](Self::foresee) before it was there.
     pub(crate) fn note_ahead(&mut self, ahead: LabelsAhead) {
         self.parts_labels &= !ahead.hide;
+    }
+
+    /// Whether a star hides what was seen of it, for assertions.
+    pub(crate) fn hides_as_seen(&self, t: &Triangulation, ahead: LabelsAhead, star: &[u32]) -> bool {
+        let hides = self.labels_hide(t, star, Control::never()) == Ok(true);
+        ahead.hide == (self.parts_labels && !ahead.parted && hides)
     }
 }
 

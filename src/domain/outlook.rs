@@ -40,6 +40,13 @@ pub(crate) struct Outlook {
     pub labels: LabelsAhead,
 }
 
+impl Outlook {
+    /// Whether a new element will be missing.
+    pub fn misses(&self) -> bool {
+        !self.missing_segments.is_empty() || !self.missing_facets.is_empty()
+    }
+}
+
 /// What the labels in a star to come will show, provided that there were different ones on the two sides of subfacets only. Nothing where there are no labels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LabelsAhead {
@@ -223,6 +230,10 @@ impl Boundary {
 
     /// Queues what was seen, and mends labels; `star` are the tetrahedra that the faces have become.
     pub(crate) fn take_in(&mut self, t: &mut Triangulation, outlook: &Outlook, star: &[u32], demand: Demand) {
+        debug_assert!(outlook.missing_segments.iter().all(|&[a, b]| t.find_edge(a, b).is_none()));
+        debug_assert!(outlook.missing_facets.iter().all(|&face| t.find_face(face).is_none()));
+        debug_assert!(outlook.encroached_segments.iter().all(|&edge| self.demand_of_segment(t, edge).is_some()));
+        debug_assert!(outlook.encroached_facets.iter().all(|&face| self.demand_of_facet(t, face).is_some()));
         self.missing_segments.extend(&outlook.missing_segments);
         self.missing_facets.extend(&outlook.missing_facets);
         self.pending_segments.extend(outlook.encroached_segments.iter().map(|&edge| (edge, demand)));

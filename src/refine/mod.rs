@@ -14,6 +14,7 @@
 //! | `limits` | seconds and bytes |
 //! | `queue` | the bad tetrahedron with the shortest edge first |
 
+mod kept;
 pub(crate) mod limits;
 mod near_side;
 mod obstacle;

@@ -12,6 +12,7 @@
 
 use glam::DVec3;
 
+use super::kept::Kept;
 use super::limits::Limits;
 use super::near_side::NearSide;
 use super::obstacle::Obstacles;
@@ -87,6 +88,10 @@ pub struct Refiner<'a> {
     progress: f64,
     /// The splits of the transaction under way.
     pub(super) records: Vec<Record>,
+    /// What a large transaction goes back to.
+    pub(super) kept: Option<Box<Kept>>,
+    /// The call's control, while a transaction goes on that none can cancel.
+    pub(super) waiting_control: Option<Control>,
     /// Scratch: what opens when one is taken back.
     pub(super) hole: Hole,
     /// Scratch: what has been seen of a sample's own side of the boundary.
@@ -142,6 +147,8 @@ impl<'a> Refiner<'a> {
             demand: Demand::NONE,
             progress: 0.0,
             records: Vec::new(),
+            kept: None,
+            waiting_control: None,
             hole: Hole::default(),
             near_side: NearSide::default(),
             obstacles: Obstacles::default(),
@@ -287,7 +294,7 @@ impl<'a> Refiner<'a> {
 
     /// Gives its memory back.
     pub fn give_back_to(&mut self, control: &Control) {
-        self.forget_records();
+        self.forget_records(0);
         control.give_back(std::mem::take(&mut self.queue));
         control.give_back(std::mem::take(&mut self.cavity));
         control.give_back(std::mem::take(&mut self.hole));

@@ -21,6 +21,7 @@ use crate::domain::pending::Demand;
 use crate::domain::Boundary;
 use crate::geometry::predicates::orient3d;
 use crate::geometry::{flush_tiny, Sign};
+use crate::sorting::sort;
 use crate::triangulation::remove::Replacement;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
@@ -53,10 +54,10 @@ fn in_order(mut v: [u32; 4]) -> [u32; 4] {
 }
 
 /// The same with vertices in order, and in order themselves.
-fn labels_in_order(labels: &Labels) -> Labels {
+fn labels_in_order(labels: &Labels, control: &Control) -> Result<Labels, Error> {
     let mut labels: Labels = labels.iter().map(|&(v, label)| (in_order(v), label)).collect();
-    labels.sort_unstable();
-    labels
+    sort(&mut labels, &control.watch())?;
+    Ok(labels)
 }
 
 /// A boundary element.
@@ -153,89 +154,113 @@ impl Refiner<'_> {
         Ok(if split == Split::Blocked { Step::Stuck } else { Step::Split })
     }
 
-    /// Splits an element; what follows from it is done at once, or all of it is taken back and the element blocked.
+    /// Splits an element; what follows from it is done at once, or all of it is taken back and the element blocked. After an error, that of a cancellation
+    /// perhaps, it is taken back, too.
     pub fn transact(&mut self, element: Element, demand: Demand) -> Result<Split, Error> {
-        self.forget_records();
+        self.forget_records(0);
         let pending = (self.boundary.pending_segments.len(), self.boundary.pending_facets.len());
+        let control = self.control.clone();
+        let mut split = self.split_whole(element, demand);
+        if !matches!(split, Ok(Some(_))) && !self.records.is_empty() {
+            // What no copy takes back are small stars.
+            self.control = Control::never().clone();
+            split = self.take_back().and(split);
+            self.boundary.pending_segments.truncate(pending.0);
+            self.boundary.pending_facets.truncate(pending.1);
+        }
+        (self.control, self.waiting_control) = (control, None);
+        self.keep_no_more();
+        Ok(match (split?, element) {
+            (Some(split), _) => split,
+            (None, Element::Segment(edge)) => self.block_segment(edge, NEVER),
+            (None, Element::Facet(face)) => self.block_facet(face, NEVER),
+        })
+    }
+
+    /// `None` when all is to be taken back.
+    fn split_whole(&mut self, element: Element, demand: Demand) -> Result<Option<Split>, Error> {
         let split = match element {
             Element::Segment(edge) => self.split_segment(edge, demand)?,
             Element::Facet(face) => self.split_facet(face, demand)?,
         };
+        if self.kept.is_none() {
+            // Half of it would be good for nothing, and what is not kept is done soon.
+            self.waiting_control = Some(std::mem::replace(&mut self.control, Control::never().clone()));
+        }
         if self.boundary.misses() {
             // What follows may have come to the other side of its facet, as what rounding has put beside one.
             if self.follow(demand.following())? && self.relabel_changed()? {
-                return Ok(split);
+                return Ok(Some(split));
             }
-        } else if !self.leaks() {
-            self.note_labels();
-            return Ok(split);
+        } else if !self.leaks()? {
+            self.note_labels()?;
+            return Ok(Some(split));
         } else if self.relabel_changed()? {
-            return Ok(split);
+            return Ok(Some(split));
         }
-        self.take_back()?;
-        self.boundary.pending_segments.truncate(pending.0);
-        self.boundary.pending_facets.truncate(pending.1);
-        Ok(match element {
-            Element::Segment(edge) => self.block_segment(edge, NEVER),
-            Element::Facet(face) => self.block_facet(face, NEVER),
-        })
+        Ok(None)
     }
 
     /// The tetrahedra at the vertices of the transaction.
-    fn changed_stars(&self) -> Vec<u32> {
+    fn changed_stars(&self) -> Result<Vec<u32>, Error> {
         match &self.records[..] {
             [record] if record.inserted => {
                 let created = self.cavity.created.clone();
                 debug_assert!(created.iter().all(|&tet| self.t.topology.tet(tet).v.contains(&record.vertex)));
                 debug_assert_eq!(created.len(), self.t.topology.star(record.vertex).len());
-                created
+                Ok(created)
             }
-            records => records.iter().flat_map(|record| self.t.topology.star(record.vertex)).collect(),
+            records => {
+                let mut stars = Vec::new();
+                for record in records {
+                    stars.append(&mut self.t.star_within(record.vertex, &self.control)?);
+                }
+                Ok(stars)
+            }
         }
     }
 
     /// Finds labels around the vertices of the transaction anew; whether that has mended all.
     fn relabel_changed(&mut self) -> Result<bool, Error> {
-        let stars = self.changed_stars();
-        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars);
+        let stars = self.changed_stars()?;
+        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars)?;
         if sound {
-            self.boundary.note_labels(self.t, &stars);
+            self.boundary.note_labels(self.t, &stars, &self.control)?;
         }
         Ok(sound)
     }
 
     /// After a transaction of one split, which leaves nothing missing and no label wrong: notes whether labels show subfacets still.
-    fn note_labels(&mut self) {
+    fn note_labels(&mut self) -> Result<(), Error> {
         match &self.records[..] {
             [] => {}
             [record] if record.inserted => {
-                debug_assert_eq!(record.ahead.parted, self.new_subfacets_part(&self.changed_stars()));
+                debug_assert_eq!(record.ahead.parted, self.new_subfacets_part(&self.cavity.created));
+                debug_assert!(self.boundary.hides_as_seen(self.t, record.ahead, &self.cavity.created));
                 if !record.ahead.parted {
                     self.boundary.note_ahead(record.ahead);
                 }
             }
             _ => {
-                let stars = self.changed_stars();
-                self.boundary.note_labels(self.t, &stars);
+                let stars = self.changed_stars()?;
+                self.boundary.note_labels(self.t, &stars, &self.control)?;
             }
         }
+        Ok(())
     }
 
-    /// Splits what a split has left missing; whether nothing is missing then. No control cancels it: the split would be half done.
+    /// Splits what a split has left missing; whether nothing is missing then.
     fn follow(&mut self, demand: Demand) -> Result<bool, Error> {
-        let control = std::mem::replace(&mut self.control, Control::never().clone());
-        let (mut first, mut complete) = (Vec::new(), Ok(false));
+        let mut first = Vec::new();
         for _ in 0..FOLLOWING {
-            match self.recovery_step(&mut first, demand, &|| true) {
-                Ok(Step::Split) => continue,
-                Ok(Step::Stuck) => {}
-                Ok(Step::Nothing) => complete = Ok(true),
-                Err(error) => complete = Err(error),
+            let control = self.control.clone();
+            match self.recovery_step(&mut first, demand, &|| control.poll())? {
+                Step::Split => {}
+                Step::Stuck => return Ok(false),
+                Step::Nothing => return Ok(true),
             }
-            break;
         }
-        self.control = control;
-        complete
+        Ok(false)
     }
 
     /// Notes a split that was done.
@@ -251,11 +276,11 @@ impl Refiner<'_> {
         }
     }
 
-    /// Forgets the last transaction.
-    pub(super) fn forget_records(&mut self) {
+    /// Forgets the splits of the last transaction, but for the first so many.
+    pub(super) fn forget_records(&mut self, first: usize) {
         /// What fewer have taken is given back in no time.
         const MANY: usize = 1 << 16;
-        for record in self.records.drain(..).filter(|record| record.labels.len() > MANY) {
+        for record in self.records.drain(first..).filter(|record| record.labels.len() > MANY) {
             self.control.give_back(record.labels);
         }
     }
@@ -275,28 +300,30 @@ impl Refiner<'_> {
     }
 
     /// Whether there is a leak after the one split of a transaction, as [`stars_leak`](Self::stars_leak) says.
-    fn leaks(&self) -> bool {
+    fn leaks(&self) -> Result<bool, Error> {
         match &self.records[..] {
-            [] => false,
+            [] => Ok(false),
             [record] if record.inserted => {
-                debug_assert_eq!(record.ahead.leak || self.meant_leak(), self.stars_leak(&self.changed_stars()));
-                record.ahead.leak || self.meant_leak()
+                let leaks = record.ahead.leak || self.meant_leak();
+                debug_assert_eq!(Ok(leaks), self.stars_leak(&self.cavity.created));
+                Ok(leaks)
             }
-            _ => self.stars_leak(&self.changed_stars()),
+            _ => self.stars_leak(&self.changed_stars()?),
         }
     }
 
     /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
-    fn stars_leak(&self, tets: &[u32]) -> bool {
-        let topology = &self.t.topology;
+    fn stars_leak(&self, tets: &[u32]) -> Result<bool, Error> {
+        let (topology, turns) = (&self.t.topology, self.control.turns());
         if topology.region.is_empty() {
-            return false;
+            return Ok(false);
         }
         let leaks = |&tet: &u32| {
             let differs = |&slot: &usize| topology.labels_differ(tet, slot);
             (0..4).filter(differs).any(|slot| !self.boundary.is_subfacet(topology.tet(tet).face(slot)))
         };
-        tets.iter().any(leaks) || self.meant_leak()
+        let leak = tets.iter().take_while(|_| turns.go_on()).any(leaks);
+        turns.end().map(|()| leak || self.meant_leak())
     }
 
     /// Whether faces that were subfacets until now, and may be beside all that has changed, have different labels on their sides.
@@ -333,6 +360,7 @@ impl Refiner<'_> {
 
     /// Takes all splits of the transaction back.
     fn take_back(&mut self) -> Result<(), Error> {
+        self.put_back();
         self.boundary.missing_segments.clear();
         self.boundary.missing_facets.clear();
         let mut changed = Vec::new();
@@ -340,7 +368,7 @@ impl Refiner<'_> {
             self.boundary.take_back(record.vertex, &record.before, record.changes);
             if !record.inserted {
                 let star = self.t.topology.star(record.vertex);
-                self.restore_labels(&star, &record.labels);
+                self.restore_labels(&star, &record.labels)?;
                 changed.extend(star);
                 continue;
             }
@@ -356,7 +384,7 @@ impl Refiner<'_> {
             }
             // What comes back is what the vertex took out: the triangulation of the others is unique.
             let created = std::mem::take(&mut self.hole.created);
-            self.restore_labels(&created, &record.labels);
+            self.restore_labels(&created, &record.labels)?;
             changed.extend_from_slice(&created);
             self.hole.created = created;
         }
@@ -365,27 +393,34 @@ impl Refiner<'_> {
         watch(t, &mut self.queue, self.radius_edge, live)
     }
 
-    fn restore_labels(&mut self, tets: &[u32], labels: &Labels) {
-        let labels = labels_in_order(labels);
+    fn restore_labels(&mut self, tets: &[u32], labels: &Labels) -> Result<(), Error> {
+        let labels = labels_in_order(labels, &self.control)?;
         for &tet in tets {
             let v = in_order(self.t.topology.tet(tet).v);
             if let Ok(place) = labels.binary_search_by_key(&v, |known| known.0) {
                 self.t.topology.region[tet as usize] = labels[place].1;
             }
         }
+        Ok(())
     }
 
     /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
     /// side. All others have the right ones. False, with nothing changed, when there is a label that can't be found.
     fn relabel(&mut self, mut order: Vec<u32>) -> Result<bool, Error> {
+        let control = self.control.clone();
+        let turns = control.turns();
         let mut changed: FxHashSet<u32> = FxHashSet::default();
-        order.retain(|&tet| changed.insert(tet));
+        changed.reserve(order.len());
+        order.retain(|&tet| turns.go_on() && changed.insert(tet));
+        turns.end()?;
         if self.t.topology.region.is_empty() {
-            watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())?;
+            self.watch_changed(&order)?;
             return Ok(true);
         }
         let mut labels: FxHashMap<u32, u16> = FxHashMap::default();
+        labels.reserve(order.len());
         for &seed in &order {
+            turns.check()?;
             if labels.contains_key(&seed) {
                 continue;
             }
@@ -395,6 +430,7 @@ impl Refiner<'_> {
             while next < part.len() {
                 let tet = *self.t.topology.tet(part[next]);
                 next += 1;
+                turns.check()?;
                 if tet.is_ghost() {
                     label = Some(OUTSIDE);
                 }
@@ -415,27 +451,32 @@ impl Refiner<'_> {
                 }
             }
             // None at all, and no ghost: subfacets enclose it, and all of it has changed.
-            let Some(label) = label.or_else(|| self.label_before(&part)) else { return Ok(false) };
+            if label.is_none() {
+                label = self.label_before(&part)?;
+            }
+            let Some(label) = label else { return Ok(false) };
             for tet in part {
+                turns.check()?;
                 labels.insert(tet, label);
             }
         }
         for tet in &order {
+            turns.check()?;
             self.t.topology.region[*tet as usize] = labels[tet];
         }
-        watch(self.t, &mut self.queue, self.radius_edge, order.into_iter())?;
+        self.watch_changed(&order)?;
         Ok(true)
     }
 
     /// The label that there was, before the transaction, where the largest of these tetrahedra is now.
-    fn label_before(&self, part: &[u32]) -> Option<u16> {
+    fn label_before(&self, part: &[u32]) -> Result<Option<u16>, Error> {
         let size = |tet: u32| {
             let [a, b, c, d] = self.t.corners(tet);
             (b - a).cross(c - a).dot(d - a)
         };
         let vertices = |tet: u32| in_order(self.t.topology.tet(tet).v);
         let largest = |&s: &u32, &r: &u32| size(s).total_cmp(&size(r)).then_with(|| vertices(s).cmp(&vertices(r)));
-        let tet = part.iter().copied().max_by(largest)?;
+        let Some(tet) = part.iter().copied().max_by(largest) else { return Ok(None) };
         let center = flush_tiny(self.t.corners(tet).into_iter().map(|corner| 0.25 * corner).sum());
         let holds = |v: &[u32; 4]| {
             let corners = v.map(|v| self.t.at(v));
@@ -448,8 +489,15 @@ impl Refiner<'_> {
             })
         };
         let made_since = |v: &u32| self.records.iter().any(|record| record.inserted && record.vertex == *v);
-        let known = self.records.iter().flat_map(|record| labels_in_order(&record.labels));
-        let mut before = known.filter(|(v, _)| v[3] != GHOST && !v.iter().any(made_since));
-        before.find(|(v, _)| holds(v)).map(|(_, label)| label)
+        let turns = self.control.turns();
+        for record in &self.records {
+            for (v, label) in labels_in_order(&record.labels, &self.control)? {
+                turns.check()?;
+                if v[3] != GHOST && !v.iter().any(made_since) && holds(&v) {
+                    return Ok(Some(label));
+                }
+            }
+        }
+        Ok(None)
     }
 }

@@ -209,14 +209,19 @@ impl Refiner<'_> {
 
     /// What the vertex that the cavity is of takes out, and what it will bring. The last look at all of it that a control can cancel, but for the plan.
     fn foresee(
-        &self,
+        &mut self,
         (vertex, at): (u32, DVec3),
         edge: Option<[u32; 2]>,
         changes: &[(u32, FacetChange)],
     ) -> Result<(Labels, Outlook), Error> {
         let going: Vec<[u32; 3]> = self.encroached.taken_facets().collect();
         let coming = Coming { vertex, at, edge, changes, faces: &self.cavity.faces, going: &going };
-        Ok((self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?))
+        let seen = (self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?);
+        if self.is_large() {
+            let own: &[u32] = edge.as_ref().map_or(&[], |edge| edge);
+            self.keep(self.takes_others(changes, own, |_| true) || seen.1.misses() || seen.1.labels.leak)?;
+        }
+        Ok(seen)
     }
 
     /// What follows when the vertex of a split is there.
@@ -273,16 +278,20 @@ impl Refiner<'_> {
     /// Whether the split in hand, which changes facets so, takes out another element whose own split is known to miss the demand. It would have to be
     /// taken back, which costs far more where stars are large.
     fn is_doomed(&self, changes: &[(u32, FacetChange)], corners: &[u32], demand: Demand) -> bool {
-        if self.boundary.recovering {
-            return false;
-        }
         let after = demand.following();
+        !self.boundary.recovering
+            && self.takes_others(changes, corners, |other| match other {
+                Element::Segment(edge) => !self.boundary.waits_segment(edge, after),
+                Element::Facet(face) => !self.boundary.waits_facet(face, after),
+            })
+    }
+
+    /// Whether the split in hand of the element with these corners, which changes facets so, takes out another element of which that is true.
+    fn takes_others(&self, changes: &[(u32, FacetChange)], corners: &[u32], is_true: impl Fn(Element) -> bool) -> bool {
         let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed));
         let replaced = |face: [u32; 3]| removed.binary_search(&face).is_ok();
-        self.encroached
-            .taken_segments()
-            .any(|edge| *corners != edge_key(edge) && !self.boundary.waits_segment(edge, after))
-            || self.encroached.taken_facets().any(|face| !replaced(face) && !self.boundary.waits_facet(face, after))
+        self.encroached.taken_segments().any(|edge| *corners != edge_key(edge) && is_true(Element::Segment(edge)))
+            || self.encroached.taken_facets().any(|face| !replaced(face) && is_true(Element::Facet(face)))
     }
 
     pub(super) fn block_segment(&mut self, edge: [u32; 2], reach: f64) -> Split {

@@ -55,6 +55,11 @@ impl Refiner<'_> {
         Ok(())
     }
 
+    /// Looks at tetrahedra that have changed.
+    pub(super) fn watch_changed(&mut self, some: &[u32]) -> Result<(), Error> {
+        self.in_parts(some, Self::watch_some)
+    }
+
     fn watch_some(&mut self, some: &[u32]) -> Result<(), Error> {
         watch(self.t, &mut self.queue, self.radius_edge, some.iter().copied())
     }

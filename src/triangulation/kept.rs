@@ -7,7 +7,7 @@ use super::Triangulation;
 use crate::{Control, Error};
 
 /// Changes of fewer tetrahedra take some milliseconds.
-pub(super) const LARGE: usize = if cfg!(test) { 1 << 12 } else { 1 << 15 };
+pub(crate) const LARGE: usize = if cfg!(test) { 1 << 9 } else { 1 << 15 };
 
 impl Triangulation {
     /// Makes a change of so many tetrahedra, which touches nothing else that matters. When it is cancelled, they are as they were before.

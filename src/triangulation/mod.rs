@@ -67,6 +67,7 @@ use topology::{Topology, GHOST, NONE};
 
 pub use insert::Inserted;
 pub(crate) use insert::Unplaced;
+pub(crate) use kept::LARGE;
 pub use locate::Location;
 pub(crate) use order::spatial_order;
 pub use validate::Defect;

@@ -120,3 +120,56 @@ fn a_sample_in_a_large_star_is_inserted_whole_or_not_at_all() {
     });
     assert!(refused > 20 && cut_short > 10, "{refused} {cut_short}");
 }
+
+/// Two fans of triangles around the centre of a sphere, one just above the other: what splits one takes out some of the other.
+fn layered() -> Mesh {
+    let mut plc = Plc::boxed(DVec3::splat(-2.0), DVec3::splat(2.0), on_a_sphere(COUNT));
+    for height in [0.0, 0.01] {
+        let centre = plc.points.len() as u32;
+        plc.points.push(DVec3::Z * height);
+        let angles = (0..6).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_3 + height);
+        plc.points.extend(angles.map(|angle| DVec3::new(0.5 * angle.cos(), 0.5 * angle.sin(), height)));
+        plc.facets.extend((0..6).map(|i| facet([centre, centre + 1 + i, centre + 1 + (i + 1) % 6], 7)));
+    }
+    Mesh::from_plc(&plc, &Control::new()).unwrap()
+}
+
+#[test]
+fn splits_that_follow_a_large_one_are_done_with_it_or_not_at_all() {
+    let mesh = layered();
+    let edge = side(&mesh);
+    let split = |mesh: &mut Mesh, control: &Control| {
+        let (t, boundary) = mesh.parts();
+        let mut refiner = Refiner::new(t, boundary.unwrap(), &RefineOptions::default());
+        refiner.watch_with(control);
+        refiner.transact(Element::Segment(edge), Demand::NONE)
+    };
+    let state = |mesh: &Mesh| {
+        let boundary = mesh.boundary().unwrap();
+        let vertices = mesh.triangulation().vertex_count();
+        (vertices, boundary.subsegments(), boundary.subfacets(), mesh.inside().count())
+    };
+    let (before, control, mut whole) = (state(&mesh), Control::new(), mesh.clone());
+    let looks = control.looks(None, || assert!(matches!(split(&mut whole, &control), Ok(Split::Done(_)))));
+    whole.validate(3).unwrap();
+    let after = state(&whole);
+    assert!(after.0 >= before.0 + 2, "{} vertices more", after.0 - before.0);
+    let (mut cancelled, mut amid) = (0, 0);
+    for last in (1..looks).step_by(looks / 90 + 1) {
+        let mut mesh = mesh.clone();
+        let mut done = Err(Error::Cancelled);
+        let made = control.looks(Some(last), || done = split(&mut mesh, &control));
+        assert!(made <= last + 12, "{made} of {last}");
+        match done {
+            Err(error) => {
+                assert_eq!(error, Error::Cancelled);
+                assert!(state(&mesh) == before, "look {last} of {looks}");
+                cancelled += 1;
+                amid += usize::from(2 * last > looks);
+            }
+            Ok(_) => assert!(state(&mesh) == after, "look {last} of {looks}"),
+        }
+        mesh.validate(3).unwrap();
+    }
+    assert!(cancelled > 60 && amid > 20, "{cancelled} {amid}");
+}
