@@ -141,6 +141,21 @@ pub(crate) fn grow<T: Copy + Send + 'static>(
     Ok(())
 }
 
+/// [`grow`] for a list that is a long one by now; a short one grows by itself in no time.
+#[inline]
+pub(crate) fn grow_long<T: Copy + Send + 'static>(
+    list: &mut Vec<T>,
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<(), Error> {
+    const LONG: usize = 1 << 16;
+    if list.len() < LONG {
+        return Ok(());
+    }
+    grow(list, more, what, control)
+}
+
 /// Makes a list longer, in pieces: so many elements, the new ones of that value. When the control says stop it may have some of them.
 pub(crate) fn lengthen<T: Copy + Send + 'static>(
     list: &mut Vec<T>,

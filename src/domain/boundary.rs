@@ -314,6 +314,7 @@ impl Boundary {
         let mut copy = InPieces::new(Boundary::default(), control);
         copy.kinds = memory::copied(&self.kinds, WHAT, control)?;
         copy.carriers = memory::copied(&self.carriers, WHAT, control)?;
+        memory::reserve_exact(&mut copy.segments, self.segments.len(), WHAT)?;
         for part in self.segments.chunks(PART) {
             control.check()?;
             copy.segments.extend_from_slice(part);

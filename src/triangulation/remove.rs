@@ -299,6 +299,9 @@ impl Triangulation {
                 let tet = self.topology.tet(hole.going[next].t);
                 next += 1;
                 look(next, control)?;
+                if next % POLL_INTERVAL == 0 {
+                    memory::grow_long(&mut hole.going, 4 * POLL_INTERVAL, "hole", control)?;
+                }
                 for face in tet.n {
                     let t = tet_of(face);
                     let v = self.topology.tet(t).v;
@@ -346,6 +349,11 @@ impl Triangulation {
         for i in 0..hole.going.len() {
             let Going { t, v } = hole.going[i];
             look(i + 1, control)?;
+            if i % POLL_INTERVAL == 0 {
+                memory::grow_long(&mut hole.faces, 4 * POLL_INTERVAL, "hole", control)?;
+                memory::grow_long(&mut hole.by_vertices.keys, 4 * POLL_INTERVAL, "hole", control)?;
+                memory::grow_long(&mut hole.vertices, 4 * POLL_INTERVAL, "hole", control)?;
+            }
             hole.number(v);
             for (slot, &outside) in self.topology.tet(t).n.iter().enumerate() {
                 if hole.contains(tet_of(outside)) {

@@ -23,7 +23,7 @@ use crate::geometry::lanes::{Lanes, Portable, POSITIONS};
 use crate::geometry::perturbation::perturbed;
 use crate::geometry::predicates::{insphere_lanes, insphere_lanes_again, orient_lanes, Beside};
 use crate::geometry::{Filter, Sign};
-use crate::{Control, Error};
+use crate::{memory, Control, Error};
 
 #[cfg(target_arch = "x86_64")]
 use crate::geometry::lanes::Avx2;
@@ -287,7 +287,8 @@ unsafe fn search<L: Lanes, T: Territory>(
             if next != 0 && !control.poll() {
                 break false;
             }
-            room = make_room([&mut *entries, &mut *faces], next).min(next + BETWEEN_LOOKS);
+            let Some(more) = make_room([&mut *entries, &mut *faces], next, control) else { break false };
+            room = more.min(next + BETWEEN_LOOKS);
             debug_assert!(room > next);
         }
         // SAFETY: this one has been written.
@@ -417,21 +418,24 @@ unsafe fn marked(marks: &[u8], tet: &Tetrahedron) -> u32 {
 }
 
 /// Makes the lists longer, and returns for how many tetrahedra's neighbours there is room in them: more than `done`. The first adds at most four
-/// to each list, every other one three, and four are written at once.
+/// to each list, every other one three, and four are written at once. `None` when the control says stop.
 #[cold]
 #[inline(never)]
-fn make_room(lists: [&mut Vec<u32>; 2], done: usize) -> usize {
+fn make_room(lists: [&mut Vec<u32>; 2], done: usize, control: &Control) -> Option<usize> {
     const FIRST: usize = 8;
     // Twice as many, at least.
     let more = 3 * 2 * done.max(64) + FIRST;
     let mut room = usize::MAX;
     for list in lists {
         if (list.capacity() - FIRST.min(list.capacity())) / 3 <= done {
+            if memory::grow_long(list, more - list.len(), "cavity", control) == Err(Error::Cancelled) {
+                return None;
+            }
             list.reserve(more - list.len());
         }
         room = room.min((list.capacity() - FIRST) / 3);
     }
-    room
+    Some(room)
 }
 
 /// # Safety
