@@ -434,8 +434,9 @@ impl Triangulation {
         // Without faces the hole is everything.
         let everything = faces.is_empty();
         let (mut found, mut next) = (0, 0);
-        for (turn, seed) in small.live().enumerate() {
-            look(turn, control)?;
+        let turns = control.turns();
+        for seed in small.live() {
+            turns.check()?;
             if found == faces.len() && !everything {
                 break;
             }
@@ -445,7 +446,7 @@ impl Triangulation {
             number[seed as usize] = coming.len() as u32;
             coming.push(bare(seed));
             while next < coming.len() {
-                look(next + 1, control)?;
+                turns.check()?;
                 let t = coming[next].small;
                 for slot in 0..4 {
                     if let Some(face) = face_at(t, slot) {
