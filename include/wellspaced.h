@@ -612,8 +612,8 @@ typedef struct wsp_refine_options {
      */
     double max_seconds;
     /**
-     * The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views and
-     * small lists are not counted. 0, the default: no limit.
+     * The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views,
+     * small lists, and copies made for the time of a large change are not counted. 0, the default: no limit.
      */
     size_t max_memory;
 } wsp_refine_options;
@@ -1043,9 +1043,8 @@ void wsp_control_free(struct wsp_control *control);
  * WSP_CANCELLED, within some milliseconds: large memory that they have no more use for they leave to the control, which gives it back when it is
  * reset or freed. Any thread may call this, a callback too. Constant time.
  *
- * What a call does in one step it ends first. A step takes longer than that where one vertex has a star of a million tetrahedra, as the centre of as many
- * points on a sphere has: some 50 ms to put such a vertex in, 20 to 40 ms to split the boundary beside it. A split that takes other elements of the
- * boundary out is ended together with those that follow from it: 0.15 s were measured for 24 of them there.
+ * That holds for stars of millions of tetrahedra, too: before so much is changed at once, the tetrahedra are copied, to be taken back as a whole. One step is
+ * known that is longer: the split of a facet that has a hundred thousand corners and more on one circle, inside that circle.
  * Errors: WSP_ERR_NULL.
  */
 wsp_status wsp_control_cancel(struct wsp_control *control);

@@ -169,8 +169,8 @@ pub struct wsp_refine_options {
     pub reserved2: u32,
     /// The refinement stops after so many seconds (WSP_TIME_LIMIT). 0, the default: no limit.
     pub max_seconds: f64,
-    /// The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views and
-    /// small lists are not counted. 0, the default: no limit.
+    /// The refinement stops before its large arrays and those of the mesh take more than so many bytes (WSP_MEMORY_LIMIT); those of views,
+    /// small lists, and copies made for the time of a large change are not counted. 0, the default: no limit.
     pub max_memory: usize,
 }
 

@@ -53,8 +53,8 @@ pub struct RefineOptions {
     pub keep_boundary: bool,
     /// The refinement stops after so many seconds; 0 for no limit.
     pub max_seconds: f64,
-    /// The refinement stops before its large arrays and the mesh's take more than so many bytes; 0 for no limit. Views and the last bits of
-    /// bookkeeping are not counted.
+    /// The refinement stops before its large arrays and the mesh's take more than so many bytes; 0 for no limit. Views, the last bits of
+    /// bookkeeping, and copies made for the time of a large change are not counted.
     pub max_memory: usize,
 }
 

@@ -12,7 +12,7 @@ use crate::domain::outlook::{Coming, Outlook};
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::{check_range, flush_tiny};
-use crate::triangulation::Unplaced;
+use crate::triangulation::{Unplaced, LARGE};
 use crate::Error;
 
 /// The reach of a split that no demand allows.
@@ -74,6 +74,10 @@ impl Refiner<'_> {
                 let coming =
                     Coming { vertex: existing, at: p, edge: Some(edge), changes: &changes, faces: &faces, going: &[] };
                 let outlook = self.boundary.foresee(self.t, coming, &self.control)?;
+                if star.len() >= LARGE {
+                    // Labels are looked at all around it.
+                    self.keep(true)?;
+                }
                 self.boundary.apply(&changes, p);
                 let before = self.boundary.standing(existing, Some(edge), &changes);
                 self.boundary.segment_changed(edge, existing, &changes);
