@@ -1043,8 +1043,8 @@ void wsp_control_free(struct wsp_control *control);
  * WSP_CANCELLED, within some milliseconds: large memory that they have no more use for they leave to the control, which gives it back when it is
  * reset or freed. Any thread may call this, a callback too. Constant time.
  *
- * That holds for stars of millions of tetrahedra, too: before so much is changed at once, the tetrahedra are copied, to be taken back as a whole. One step is
- * known that is longer: the split of a facet that has a hundred thousand corners and more on one circle, inside that circle.
+ * That holds for stars of millions of tetrahedra and for splits of facets with as many triangles, too: before so much is changed at once, what there is is
+ * copied, to be taken back as a whole.
  * Errors: WSP_ERR_NULL.
  */
 wsp_status wsp_control_cancel(struct wsp_control *control);

@@ -45,8 +45,8 @@ pub type LogCallback = dyn Fn(LogLevel, &str) + Send + Sync;
 /// A cancelled call returns within some milliseconds. It does not wait for the system to take back large memory: that stays with the control until
 /// it is [reset](Self::reset) or dropped.
 ///
-/// That holds for stars of millions of tetrahedra, too: before so much is changed at once, the tetrahedra are copied, to be taken back as a whole. One step is
-/// known that is longer: the split of a facet that has a hundred thousand corners and more on one circle, inside that circle.
+/// That holds for stars of millions of tetrahedra and for splits of facets with as many triangles, too: before so much is changed at once, what there is is
+/// copied, to be taken back as a whole.
 #[derive(Clone, Default)]
 pub struct Control {
     shared: Arc<Shared>,

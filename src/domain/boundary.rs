@@ -11,6 +11,7 @@ use super::facet::FacetTriangulation;
 use super::pending::Demand;
 use crate::leavings::{give_elements_back, InPieces, Leavings};
 use crate::parted::PartedMap;
+use crate::sorting::sort;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, Error};
@@ -26,11 +27,14 @@ pub fn face_key(mut face: [u32; 3]) -> [u32; 3] {
     face
 }
 
-/// The keys of some faces, in order.
-pub(crate) fn face_keys<'a>(faces: impl IntoIterator<Item = &'a [u32; 3]>) -> Vec<[u32; 3]> {
+/// The keys of some faces, in order, unless the control says stop.
+pub(crate) fn face_keys<'a>(
+    faces: impl IntoIterator<Item = &'a [u32; 3]>,
+    control: &Control,
+) -> Result<Vec<[u32; 3]>, Error> {
     let mut keys: Vec<[u32; 3]> = faces.into_iter().map(|&face| face_key(face)).collect();
-    keys.sort_unstable();
-    keys
+    sort(&mut keys, &control.watch())?;
+    Ok(keys)
 }
 
 /// The places of a word's bits.

@@ -285,7 +285,7 @@ impl FacetTriangulation {
     ) -> Option<FacetChange> {
         // Nobody cancels it.
         let change = self.plan((new, start, split), points, fixed, in_space, Control::never()).ok()??;
-        self.apply(&change, points[new as usize]);
+        self.apply(&change, points[new as usize], Control::never()).ok()?;
         Some(change)
     }
 
@@ -363,15 +363,19 @@ impl FacetTriangulation {
         Ok(Some(FacetChange { removed, created }))
     }
 
-    /// Does what was [planned](Self::plan) for a vertex at `p`.
-    pub fn apply(&mut self, change: &FacetChange, p: DVec3) {
+    /// Does what was [planned](Self::plan) for a vertex at `p`. When the control says stop, half of it is done.
+    pub fn apply(&mut self, change: &FacetChange, p: DVec3, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         self.filter.extend(p);
         for &t in &change.removed {
+            turns.check()?;
             self.remove(t);
         }
         for &t in &change.created {
+            turns.check()?;
             self.add(t);
         }
+        Ok(())
     }
 
     /// What the triangulation would be without some of its vertices. `at_them` are the triangles at them, `joined` the fixed edges that come in the

@@ -7,6 +7,7 @@ use super::elements::Corners;
 use super::facet::FacetChange;
 use super::pending::Demand;
 use super::waiting::State;
+use crate::sorting::sort_by;
 use crate::triangulation::topology::{slot_of, tet_of};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
@@ -91,7 +92,8 @@ impl Boundary {
         if changes.is_empty() && going.is_empty() && t.topology.region.is_empty() {
             return Ok(outlook);
         }
-        let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed));
+        let turns = control.turns();
+        let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed), control)?;
         let across = |face: [u32; 3]| {
             debug_assert!(face.contains(&vertex));
             let at = face.iter().position(|&v| v == vertex).unwrap_or(0);
@@ -101,19 +103,20 @@ impl Boundary {
             || changes.iter().flat_map(|(facet, change)| change.created.iter().map(move |&face| (*facet, face)));
         let mut sides: Vec<Side> = Vec::new();
         for (place, (_, face)) in created().enumerate() {
+            turns.check()?;
             let [a, b] = across(face);
             sides.push(Side::new(side_key(a, b), place as u32));
         }
         if !t.topology.region.is_empty() {
             let edges = removed.iter().chain(going).flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-            sides.extend(edges.map(|(a, b)| Side::new(side_key(a, b), NONE)));
+            sides.extend(edges.take_while(|_| turns.go_on()).map(|(a, b)| Side::new(side_key(a, b), NONE)));
         }
         // New subfacets first, and each side once.
-        sides.sort_unstable_by_key(|side| (side.key, side.created));
+        sort_by(&mut sides, &control.watch(), |a, b| (a.key, a.created).cmp(&(b.key, b.created)))?;
         sides.dedup_by_key(|side| side.key);
         let all: Vec<(u32, [u32; 3])> = if self.lazy { Vec::new() } else { created().collect() };
         let corners = Corners::of(sides.iter().flat_map(|side| [(side.key >> 32) as u32, side.key as u32]));
-        let (turns, topology) = (control.turns(), &t.topology);
+        let topology = &t.topology;
         let at = |v: u32| if v == vertex { coming.at } else { t.at(v) };
         let label = |tet: u32| topology.region.get(tet as usize).copied();
         for (place, &handle) in faces.iter().enumerate() {
@@ -154,9 +157,10 @@ impl Boundary {
         outlook.labels.leak |= sides.iter().any(|side| side.parts && side.created == NONE);
         // In the order in which they come.
         sides.retain(|side| side.created != NONE);
-        sides.sort_unstable_by_key(|side| side.created);
+        sort_by(&mut sides, &control.watch(), |a, b| a.created.cmp(&b.created))?;
         outlook.labels.parted = !topology.region.is_empty() && sides.iter().all(|side| side.parts);
         for ((_, face), side) in created().zip(&sides) {
+            turns.check()?;
             match side.state {
                 State::Missing => outlook.missing_facets.push(face_key(face)),
                 State::Encroached => outlook.encroached_facets.push(face_key(face)),

@@ -52,26 +52,37 @@ impl Boundary {
         Ok(changes)
     }
 
-    /// Does what was planned for a vertex at `p`.
-    pub(crate) fn apply(&mut self, changes: &[(u32, FacetChange)], p: DVec3) {
+    /// Takes over the split of subsegment `edge`, or of a subfacet, at `vertex`, which is in the triangulation by now, and what was planned in facets for it.
+    /// Returns how the vertex stood before. When the control says stop, half of it is done.
+    pub(crate) fn split_at(
+        &mut self,
+        (vertex, p): (u32, DVec3),
+        edge: Option<[u32; 2]>,
+        changes: &[(u32, FacetChange)],
+        control: &Control,
+    ) -> Result<Standing, Error> {
         for (facet, change) in changes {
-            self.facets[*facet as usize].apply(change, p);
+            self.facets[*facet as usize].apply(change, p, control)?;
         }
+        let before = self.standing(vertex, edge, changes, control)?;
+        if edge.is_none_or(|edge| self.replace_subsegment(edge, vertex)) {
+            for (facet, change) in changes {
+                self.replace_subfacets(*facet, vertex, change, control)?;
+            }
+        }
+        Ok(before)
     }
 
-    /// Replaces subsegment `edge` by its two parts at vertex `new`, and takes over what
-    /// [`plan_on_segment`](Self::plan_on_segment) planned.
-    pub(crate) fn segment_changed(&mut self, edge: [u32; 2], new: u32, changes: &[(u32, FacetChange)]) {
+    /// Replaces a subsegment by its two parts at vertex `new`; false when it is none.
+    fn replace_subsegment(&mut self, edge: [u32; 2], new: u32) -> bool {
         let key = edge_key(edge);
-        let Some(segment) = self.subsegments.remove(&key) else { return };
+        let Some(segment) = self.subsegments.remove(&key) else { return false };
         for part in key.map(|end| edge_key([end, new])) {
             debug_assert!(!self.subsegments.contains_key(&part), "a subsegment of two segments");
             self.subsegments.insert(part, segment);
         }
         self.put_on(new, segment);
-        for (facet, change) in changes {
-            self.facet_changed(new, *facet, change);
-        }
+        true
     }
 
     /// Notes that a vertex lies on a segment.
@@ -125,31 +136,50 @@ impl Boundary {
     /// Whether a change of this facet would lay a subfacet on another facet's. Where facets meet at next to no angle and coordinates are coarse, one vertex
     /// may come to stand for both; a face of two facets could not be told from a face of one.
     pub(super) fn covers_another(&self, facet: u32, change: &FacetChange) -> bool {
-        change.created.iter().any(|&face| self.subfacets.get(&face_key(face)).is_some_and(|&other| other != facet))
+        change.created.iter().any(|&face| self.is_of_another(facet, face))
+    }
+
+    fn is_of_another(&self, facet: u32, face: [u32; 3]) -> bool {
+        self.subfacets.get(&face_key(face)).is_some_and(|&other| other != facet)
     }
 
     /// [`covers_another`](Self::covers_another) for changes of several facets at once: nor may two of them make the same subfacet.
-    pub(crate) fn folds(&self, changes: &[(u32, FacetChange)]) -> bool {
-        if changes.iter().any(|(facet, change)| self.covers_another(*facet, change)) {
-            return true;
+    pub(crate) fn folds(&self, changes: &[(u32, FacetChange)], control: &Control) -> Result<bool, Error> {
+        let turns = control.turns();
+        for (facet, change) in changes {
+            for &face in &change.created {
+                turns.check()?;
+                if self.is_of_another(*facet, face) {
+                    return Ok(true);
+                }
+            }
         }
         if changes.len() < 2 {
-            return false;
+            return Ok(false);
         }
-        let keys = face_keys(changes.iter().flat_map(|(_, change)| &change.created));
-        keys.windows(2).any(|pair| pair[0] == pair[1])
+        let keys = face_keys(changes.iter().flat_map(|(_, change)| &change.created), control)?;
+        Ok(keys.windows(2).any(|pair| pair[0] == pair[1]))
     }
 
     /// How a vertex stands on the boundary before the split of `edge` or of a subfacet at it, with these changes.
-    pub(crate) fn standing(&self, vertex: u32, edge: Option<[u32; 2]>, changes: &[(u32, FacetChange)]) -> Standing {
+    fn standing(
+        &self,
+        vertex: u32,
+        edge: Option<[u32; 2]>,
+        changes: &[(u32, FacetChange)],
+        control: &Control,
+    ) -> Result<Standing, Error> {
+        let turns = control.turns();
         let parts = edge.into_iter().flat_map(|[a, b]| [[a, b], [a, vertex], [vertex, b]].map(edge_key));
         let faces = changes.iter().flat_map(|(_, change)| change.removed.iter().chain(&change.created));
-        Standing {
+        let keys = faces.take_while(|_| turns.go_on()).map(|&face| face_key(face));
+        let standing = Standing {
             kind: self.kind(vertex),
             carrier: self.carrier(vertex),
             segments: parts.map(|part| (part, self.subsegments.get(&part).copied())).collect(),
-            facets: faces.map(|&face| face_key(face)).map(|key| (key, self.subfacets.get(&key).copied())).collect(),
-        }
+            facets: keys.map(|key| (key, self.subfacets.get(&key).copied())).collect(),
+        };
+        turns.end().map(|()| standing)
     }
 
     /// Takes a split at a vertex back. The triangulation in space does not matter.
@@ -179,16 +209,26 @@ impl Boundary {
         }
     }
 
-    /// Takes over what changed in a facet, once the vertex is in the triangulation.
-    pub(crate) fn facet_changed(&mut self, new: u32, facet: u32, change: &FacetChange) {
+    /// Takes over what changed in a facet.
+    fn replace_subfacets(
+        &mut self,
+        facet: u32,
+        new: u32,
+        change: &FacetChange,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let turns = control.turns();
         for &face in &change.removed {
+            turns.check()?;
             self.subfacets.remove(&face_key(face));
         }
         for &face in &change.created {
+            turns.check()?;
             self.subfacets.insert(face_key(face), facet);
         }
         self.mark(new, ON_FACET);
         self.carry(new, Carrier::Facet(facet));
+        Ok(())
     }
 }
 

@@ -101,13 +101,13 @@ mod tests {
 
         let mut torn = sound.clone();
         let change = FacetChange { removed: vec![triangle], created: Vec::new() };
-        torn.facets[2].apply(&change, DVec3::ZERO);
+        torn.facets[2].apply(&change, DVec3::ZERO, &Control::new()).unwrap();
         assert_eq!(torn.first_defect(t, &control), mismatch(face));
 
         // As when two facets are folded onto each other.
         let mut folded = sound.clone();
         let change = FacetChange { removed: Vec::new(), created: vec![sound.facets[3].triangles()[0]] };
-        folded.facets[2].apply(&change, DVec3::ZERO);
+        folded.facets[2].apply(&change, DVec3::ZERO, &Control::new()).unwrap();
         assert_eq!(folded.first_defect(t, &control), mismatch(face_key(change.created[0])));
     }
 }

@@ -51,20 +51,31 @@ impl Boundary {
 
     /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out; while
     /// the boundary is refined lazily only the latter.
-    pub(crate) fn enqueue_for(&mut self, t: &Triangulation, v: u32, found: &mut Encroached, demand: Demand) {
+    /// When the control says stop, half of it is done.
+    pub(crate) fn enqueue_for(
+        &mut self,
+        t: &Triangulation,
+        v: u32,
+        found: &mut Encroached,
+        demand: Demand,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let turns = control.turns();
         debug_assert!(found.taken_segments().all(|[a, b]| t.find_edge(a, b).is_none()));
         debug_assert!(found.taken_facets().all(|face| t.find_face(face).is_none()));
         // Not what has been split: it is none any more.
         let (segments, facets) = (&self.subsegments, &self.subfacets);
-        self.missing_segments.extend(found.taken_segments().filter(|edge| segments.contains_key(edge)));
-        self.missing_facets.extend(found.taken_facets().filter(|face| facets.contains_key(face)));
-        if self.lazy {
-            return;
+        let taken = found.taken_segments().take_while(|_| turns.go_on());
+        self.missing_segments.extend(taken.filter(|edge| segments.contains_key(edge)));
+        let taken = found.taken_facets().take_while(|_| turns.go_on());
+        self.missing_facets.extend(taken.filter(|face| facets.contains_key(face)));
+        if !self.lazy {
+            found.keep_standing();
+            found.segments.retain(|&edge| turns.go_on() && self.vertex_encroaches_segment(t, edge, v));
+            found.facets.retain(|&face| turns.go_on() && self.vertex_encroaches_facet(t, face, v));
+            self.enqueue(found, demand);
         }
-        found.keep_standing();
-        found.segments.retain(|&edge| self.vertex_encroaches_segment(t, edge, v));
-        found.facets.retain(|&face| self.vertex_encroaches_facet(t, face, v));
-        self.enqueue(found, demand);
+        turns.end()
     }
 
     /// Whether a vertex, or the ghost, encroaches upon a subsegment.

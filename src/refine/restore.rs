@@ -161,7 +161,7 @@ impl Refiner<'_> {
         let pending = (self.boundary.pending_segments.len(), self.boundary.pending_facets.len());
         let control = self.control.clone();
         let mut split = self.split_whole(element, demand);
-        if !matches!(split, Ok(Some(_))) && !self.records.is_empty() {
+        if !matches!(split, Ok(Some(_))) && (self.kept.is_some() || !self.records.is_empty()) {
             // What no copy takes back are small stars.
             self.control = Control::never().clone();
             split = self.take_back().and(split);
@@ -223,7 +223,7 @@ impl Refiner<'_> {
     /// Finds labels around the vertices of the transaction anew; whether that has mended all.
     fn relabel_changed(&mut self) -> Result<bool, Error> {
         let stars = self.changed_stars()?;
-        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars)?;
+        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars, &self.control)?;
         if sound {
             self.boundary.note_labels(self.t, &stars, &self.control)?;
         }
@@ -305,16 +305,16 @@ impl Refiner<'_> {
             [] => Ok(false),
             [record] if record.inserted => {
                 let leaks = record.ahead.leak || self.meant_leak();
-                debug_assert_eq!(Ok(leaks), self.stars_leak(&self.cavity.created));
+                debug_assert_eq!(Ok(leaks), self.stars_leak(&self.cavity.created, Control::never()));
                 Ok(leaks)
             }
-            _ => self.stars_leak(&self.changed_stars()?),
+            _ => self.stars_leak(&self.changed_stars()?, &self.control),
         }
     }
 
     /// Whether any of these tetrahedra has a neighbour with another label across a face that is no subfacet, or a face that was one until now has.
-    fn stars_leak(&self, tets: &[u32]) -> Result<bool, Error> {
-        let (topology, turns) = (&self.t.topology, self.control.turns());
+    fn stars_leak(&self, tets: &[u32], control: &Control) -> Result<bool, Error> {
+        let (topology, turns) = (&self.t.topology, control.turns());
         if topology.region.is_empty() {
             return Ok(false);
         }
@@ -348,7 +348,8 @@ impl Refiner<'_> {
         if topology.region.is_empty() || !record.inserted {
             return false;
         }
-        let mut created = face_keys(record.changes.iter().flat_map(|(_, change)| &change.created));
+        let created = record.changes.iter().flat_map(|(_, change)| &change.created);
+        let mut created = face_keys(created, Control::never()).unwrap_or_default();
         created.dedup();
         let parting = |&tet: &u32| {
             let v = topology.tet(tet).v;

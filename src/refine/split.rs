@@ -12,8 +12,9 @@ use crate::domain::outlook::{Coming, Outlook};
 use crate::domain::pending::Demand;
 use crate::domain::protect::FacetSplit;
 use crate::geometry::{check_range, flush_tiny};
+use crate::sorting::sort_by;
 use crate::triangulation::{Unplaced, LARGE};
-use crate::Error;
+use crate::{Control, Error};
 
 /// The reach of a split that no demand allows.
 pub(super) const NEVER: f64 = -1.0;
@@ -30,10 +31,16 @@ pub enum Split {
 }
 
 /// Sorts what comes behind the first so many entries of a queue, of which the rest stays where it is.
-fn sort_last<K: Copy + Ord>(queue: &mut VecDeque<(K, Demand)>, first: usize) {
+fn sort_last<K: Copy + Ord>(queue: &mut VecDeque<(K, Demand)>, first: usize, control: &Control) -> Result<(), Error> {
     let mut last: Vec<_> = queue.drain(first..).collect();
-    last.sort_unstable_by_key(|&(key, _)| key);
+    let sorted = sort_by(&mut last, &control.watch(), |(a, _), (b, _)| a.cmp(b));
     queue.extend(last);
+    sorted
+}
+
+/// How many triangles some changes of facets remove and create.
+fn weight(changes: &[(u32, FacetChange)]) -> usize {
+    changes.iter().map(|(_, change)| change.removed.len() + change.created.len()).sum()
 }
 
 impl Refiner<'_> {
@@ -64,7 +71,7 @@ impl Refiner<'_> {
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, existing, p, &self.control)?;
                 // Rounding may have put it there for another segment, but no subsegment or subfacet can be one of two.
                 let shared = edge.iter().any(|&end| self.boundary.is_subsegment([end, existing]));
-                if shared || self.boundary.folds(&changes) {
+                if shared || self.boundary.folds(&changes, &self.control)? {
                     return Ok(self.block_segment(edge, NEVER));
                 }
                 let star = self.t.star_within(existing, &self.control)?;
@@ -74,16 +81,15 @@ impl Refiner<'_> {
                 let coming =
                     Coming { vertex: existing, at: p, edge: Some(edge), changes: &changes, faces: &faces, going: &[] };
                 let outlook = self.boundary.foresee(self.t, coming, &self.control)?;
-                if star.len() >= LARGE {
+                if star.len() + weight(&changes) >= LARGE {
                     // Labels are looked at all around it.
                     self.keep(true)?;
                 }
-                self.boundary.apply(&changes, p);
-                let before = self.boundary.standing(existing, Some(edge), &changes);
-                self.boundary.segment_changed(edge, existing, &changes);
+                let control = self.control_amid();
+                let before = self.boundary.split_at((existing, p), Some(edge), &changes, &control)?;
                 let pending = self.pending();
                 self.boundary.take_in(self.t, &outlook, &star, demand.following());
-                self.sort_pending(pending);
+                self.sort_pending(pending)?;
                 self.record((existing, false), before, changes, (labels, outlook));
                 Ok(Split::Done(existing))
             }
@@ -99,15 +105,13 @@ impl Refiner<'_> {
                 }
                 let next = self.t.next_vertex();
                 let changes = self.boundary.plan_on_segment(self.t, &self.cavity, edge, next, p, &self.control)?;
-                if self.boundary.folds(&changes) || self.is_doomed(&changes, &edge, demand) {
+                if self.boundary.folds(&changes, &self.control)? || self.is_doomed(&changes, &edge, demand)? {
                     return Ok(self.block_segment(edge, NEVER));
                 }
                 let seen = self.foresee((next, p), Some(edge), &changes)?;
                 let new = self.insert_prepared(p)?;
                 debug_assert_eq!(new, next);
-                self.boundary.apply(&changes, p);
-                let before = self.boundary.standing(new, Some(edge), &changes);
-                self.boundary.segment_changed(edge, new, &changes);
+                let before = self.boundary.split_at((new, p), Some(edge), &changes, &self.control_amid())?;
                 self.split_done(new, &seen.1, demand.following())?;
                 self.segment_splits += 1;
                 self.record((new, true), before, changes, seen);
@@ -195,16 +199,13 @@ impl Refiner<'_> {
         if let Some(reach) = self.forbidden((p, room), &face, demand) {
             return Ok(self.block_facet(face, reach));
         }
-        if self.boundary.folds(&changes) || self.is_doomed(&changes, &face, demand) {
+        if self.boundary.folds(&changes, &self.control)? || self.is_doomed(&changes, &face, demand)? {
             return Ok(self.block_facet(face, NEVER));
         }
         let seen = self.foresee((new, p), None, &changes)?;
         let inserted = self.insert_prepared(p)?;
         debug_assert_eq!(inserted, new);
-        self.boundary.apply(&changes, p);
-        let before = self.boundary.standing(new, None, &changes);
-        let [(facet, change)] = &changes;
-        self.boundary.facet_changed(new, *facet, change);
+        let before = self.boundary.split_at((new, p), None, &changes, &self.control_amid())?;
         self.split_done(new, &seen.1, demand.following())?;
         self.facet_splits += 1;
         self.record((new, true), before, changes.into(), seen);
@@ -221,19 +222,31 @@ impl Refiner<'_> {
         let going: Vec<[u32; 3]> = self.encroached.taken_facets().collect();
         let coming = Coming { vertex, at, edge, changes, faces: &self.cavity.faces, going: &going };
         let seen = (self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?);
-        if self.is_large() {
+        let is_heavy = weight(changes) >= LARGE;
+        if self.is_large() || is_heavy {
             let own: &[u32] = edge.as_ref().map_or(&[], |edge| edge);
-            self.keep(self.takes_others(changes, own, |_| true) || seen.1.misses() || seen.1.labels.leak)?;
+            let follows = seen.1.misses() || seen.1.labels.leak || self.takes_others(changes, own, |_| true)?;
+            self.keep(is_heavy || follows)?;
         }
         Ok(seen)
+    }
+
+    /// The control where a split can be taken back as a whole, or all is given up; nobody's where half of it would be left.
+    fn control_amid(&self) -> Control {
+        if self.kept.is_some() || self.boundary.recovering {
+            self.control.clone()
+        } else {
+            Control::never().clone()
+        }
     }
 
     /// What follows when the vertex of a split is there.
     fn split_done(&mut self, new: u32, outlook: &Outlook, demand: Demand) -> Result<(), Error> {
         let pending = self.pending();
         self.boundary.take_in(self.t, outlook, &self.cavity.created, demand);
-        self.boundary.enqueue_for(self.t, new, &mut self.encroached, demand);
-        self.sort_pending(pending);
+        let control = self.control_amid();
+        self.boundary.enqueue_for(self.t, new, &mut self.encroached, demand, &control)?;
+        self.sort_pending(pending)?;
         self.finish(new)
     }
 
@@ -242,14 +255,16 @@ impl Refiner<'_> {
     }
 
     /// What one split has queued, in order of ids instead of storage.
-    fn sort_pending(&mut self, [segments, facets]: [usize; 2]) {
+    fn sort_pending(&mut self, [segments, facets]: [usize; 2]) -> Result<(), Error> {
+        let control = self.control_amid();
         let Boundary { pending_segments, pending_facets, .. } = &mut *self.boundary;
         if pending_segments.len() > segments + 1 {
-            sort_last(pending_segments, segments);
+            sort_last(pending_segments, segments, &control)?;
         }
         if pending_facets.len() > facets + 1 {
-            sort_last(pending_facets, facets);
+            sort_last(pending_facets, facets, &control)?;
         }
+        Ok(())
     }
 
     /// Whether a split with this demand can have a subsegment split before it.
@@ -281,21 +296,32 @@ impl Refiner<'_> {
 
     /// Whether the split in hand, which changes facets so, takes out another element whose own split is known to miss the demand. It would have to be
     /// taken back, which costs far more where stars are large.
-    fn is_doomed(&self, changes: &[(u32, FacetChange)], corners: &[u32], demand: Demand) -> bool {
+    fn is_doomed(&self, changes: &[(u32, FacetChange)], corners: &[u32], demand: Demand) -> Result<bool, Error> {
         let after = demand.following();
-        !self.boundary.recovering
-            && self.takes_others(changes, corners, |other| match other {
-                Element::Segment(edge) => !self.boundary.waits_segment(edge, after),
-                Element::Facet(face) => !self.boundary.waits_facet(face, after),
-            })
+        if self.boundary.recovering {
+            return Ok(false);
+        }
+        self.takes_others(changes, corners, |other| match other {
+            Element::Segment(edge) => !self.boundary.waits_segment(edge, after),
+            Element::Facet(face) => !self.boundary.waits_facet(face, after),
+        })
     }
 
     /// Whether the split in hand of the element with these corners, which changes facets so, takes out another element of which that is true.
-    fn takes_others(&self, changes: &[(u32, FacetChange)], corners: &[u32], is_true: impl Fn(Element) -> bool) -> bool {
-        let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed));
+    fn takes_others(
+        &self,
+        changes: &[(u32, FacetChange)],
+        corners: &[u32],
+        is_true: impl Fn(Element) -> bool,
+    ) -> Result<bool, Error> {
+        let turns = self.control.turns();
+        let removed = face_keys(changes.iter().flat_map(|(_, change)| &change.removed), &self.control)?;
         let replaced = |face: [u32; 3]| removed.binary_search(&face).is_ok();
-        self.encroached.taken_segments().any(|edge| *corners != edge_key(edge) && is_true(Element::Segment(edge)))
-            || self.encroached.taken_facets().any(|face| !replaced(face) && is_true(Element::Facet(face)))
+        let mut segments = self.encroached.taken_segments().take_while(|_| turns.go_on());
+        let mut facets = self.encroached.taken_facets().take_while(|_| turns.go_on());
+        let takes = segments.any(|edge| *corners != edge_key(edge) && is_true(Element::Segment(edge)))
+            || facets.any(|face| !replaced(face) && is_true(Element::Facet(face)));
+        turns.end().map(|()| takes)
     }
 
     pub(super) fn block_segment(&mut self, edge: [u32; 2], reach: f64) -> Split {

@@ -134,26 +134,38 @@ fn layered() -> Mesh {
     Mesh::from_plc(&plc, &Control::new()).unwrap()
 }
 
-#[test]
-fn splits_that_follow_a_large_one_are_done_with_it_or_not_at_all() {
-    let mesh = layered();
-    let edge = side(&mesh);
+/// A cylinder between two round facets with many corners.
+fn cylinder() -> Mesh {
+    const SIDES: u32 = 600;
+    let corner = |k: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k % SIDES) / f64::from(SIDES)).sin_cos();
+        DVec3::new(cos, sin, if k < SIDES { 0.0 } else { 2.0 })
+    };
+    let sides = (0..SIDES).map(|k| vec![k, (k + 1) % SIDES, SIDES + (k + 1) % SIDES, SIDES + k]);
+    let polygons = sides.chain([(0..SIDES).collect(), (SIDES..2 * SIDES).collect()]);
+    let facets = polygons.map(|polygon| PlcFacet { polygons: vec![polygon], ..PlcFacet::default() }).collect();
+    let plc = Plc { points: (0..2 * SIDES).map(corner).collect(), facets, ..Plc::default() };
+    Mesh::from_plc(&plc, &Control::new()).unwrap()
+}
+
+/// Has an element split and cancels that at each of many looks: the split and all that follows is done or nothing is. How many vertices there are more after it,
+/// and how often it was cancelled, in all and in its second half.
+fn split_whole_or_not_at_all(mesh: &Mesh, element: Element) -> [usize; 3] {
     let split = |mesh: &mut Mesh, control: &Control| {
         let (t, boundary) = mesh.parts();
         let mut refiner = Refiner::new(t, boundary.unwrap(), &RefineOptions::default());
         refiner.watch_with(control);
-        refiner.transact(Element::Segment(edge), Demand::NONE)
+        refiner.transact(element, Demand::NONE)
     };
     let state = |mesh: &Mesh| {
         let boundary = mesh.boundary().unwrap();
         let vertices = mesh.triangulation().vertex_count();
         (vertices, boundary.subsegments(), boundary.subfacets(), mesh.inside().count())
     };
-    let (before, control, mut whole) = (state(&mesh), Control::new(), mesh.clone());
+    let (before, control, mut whole) = (state(mesh), Control::new(), mesh.clone());
     let looks = control.looks(None, || assert!(matches!(split(&mut whole, &control), Ok(Split::Done(_)))));
     whole.validate(3).unwrap();
     let after = state(&whole);
-    assert!(after.0 >= before.0 + 2, "{} vertices more", after.0 - before.0);
     let (mut cancelled, mut amid) = (0, 0);
     for last in (1..looks).step_by(looks / 90 + 1) {
         let mut mesh = mesh.clone();
@@ -171,5 +183,26 @@ fn splits_that_follow_a_large_one_are_done_with_it_or_not_at_all() {
         }
         mesh.validate(3).unwrap();
     }
-    assert!(cancelled > 60 && amid > 20, "{cancelled} {amid}");
+    [after.0 - before.0, cancelled, amid]
+}
+
+#[test]
+fn splits_that_follow_a_large_one_are_done_with_it_or_not_at_all() {
+    let mesh = layered();
+    let [vertices, cancelled, amid] = split_whole_or_not_at_all(&mesh, Element::Segment(side(&mesh)));
+    assert!(vertices >= 2 && cancelled > 60 && amid > 20, "{vertices} {cancelled} {amid}");
+}
+
+#[test]
+fn a_split_that_changes_a_whole_round_facet_is_done_or_not() {
+    let mesh = cylinder();
+    let area = |face: [u32; 3]| {
+        let [a, b, c] = face.map(|v| mesh.triangulation().at(v));
+        (b - a).cross(c - a).z.abs()
+    };
+    let faces = mesh.boundary().unwrap().subfacets().into_iter().map(|(face, _)| face);
+    let flat = faces.filter(|face| face.iter().all(|&v| mesh.triangulation().at(v).z == 0.0));
+    let face = flat.max_by(|&a, &b| area(a).total_cmp(&area(b))).unwrap();
+    let [vertices, cancelled, amid] = split_whole_or_not_at_all(&mesh, Element::Facet(face));
+    assert!(vertices >= 1 && cancelled > 30 && amid > 10, "{vertices} {cancelled} {amid}");
 }
