@@ -185,6 +185,40 @@ fn boundaries(count: usize) {
         plc.points.extend([DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.1, 0.4, 0.0), DVec3::new(0.2, 0.15, 0.01)]);
         plc.facets.push(PlcFacet { polygons: vec![vec![centre, end, end + 1]], ..PlcFacet::default() });
     });
+    // One just above the other: a split of one takes out some of the other.
+    at_centre("two fans", &|plc| {
+        for height in [0.0, 0.01] {
+            let hub = if height > 0.0 { plc.points.len() as u32 } else { centre };
+            plc.points.extend((height > 0.0).then_some(DVec3::Z * height));
+            let first = plc.points.len() as u32;
+            let angles = (0..6).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_3 + height);
+            plc.points.extend(angles.map(|angle| DVec3::new(0.5 * angle.cos(), 0.5 * angle.sin(), height)));
+            let triangle =
+                |i| PlcFacet { polygons: vec![vec![hub, first + i, first + (i + 1) % 6]], ..PlcFacet::default() };
+            plc.facets.extend((0..6).map(triangle));
+        }
+    });
+    // A facet all of whose triangles are in one circle.
+    let sides = count as u32 / 10;
+    let names = ["make", "split"].map(|call| format!("{call} a cylinder with {sides} sides"));
+    if names.iter().any(|name| is_wanted(name)) {
+        let corner = |k: u32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k % sides) / f64::from(sides)).sin_cos();
+            DVec3::new(cos, sin, if k < sides { 0.0 } else { 2.0 })
+        };
+        let quads = (0..sides).map(|k| vec![k, (k + 1) % sides, sides + (k + 1) % sides, sides + k]);
+        let polygons = quads.chain([(0..sides).collect(), (sides..2 * sides).collect()]);
+        let facets = polygons.map(|polygon| PlcFacet { polygons: vec![polygon], ..PlcFacet::default() }).collect();
+        let plc = Plc { points: (0..2 * sides).map(corner).collect(), facets, ..Plc::default() };
+        measure(&names[0], 12, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
+        let fresh = || mesh.try_clone(&Control::new()).unwrap();
+        let max_vertices = mesh.view().points.len() + 4;
+        let limits = RefineOptions { max_vertices, sparsify: Some(Sparsify::Off), ..RefineOptions::default() };
+        measure(&names[1], 48, fresh, |mesh, control| {
+            mesh.refine(&limits, control).unwrap();
+        });
+    }
     // A box with half of them on one of its sides.
     let names = ["make", "refine", "split"].map(|call| format!("{call} a side with {}", count / 2));
     if names.iter().any(|name| is_wanted(name)) {
