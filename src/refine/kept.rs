@@ -59,14 +59,14 @@ impl Refiner<'_> {
 
     /// Puts the copy in place, if there is one: the splits since are taken back.
     pub(super) fn put_back(&mut self) {
-        let Some(kept) = self.kept.take() else { return };
-        let Kept { mut t, mut boundary, records, splits } = *kept;
-        std::mem::swap(self.t, &mut t);
-        std::mem::swap(self.boundary, &mut boundary);
-        [self.segment_splits, self.facet_splits] = splits;
+        let Some(kept) = &mut self.kept else { return };
+        std::mem::swap(self.t, &mut kept.t);
+        std::mem::swap(self.boundary, &mut kept.boundary);
+        [self.segment_splits, self.facet_splits] = kept.splits;
+        let records = kept.records;
         self.forget_records(records);
-        self.control.give_back(t);
-        self.control.give_back(boundary);
+        // What it holds now is of no use.
+        self.keep_no_more();
     }
 
     /// Forgets the copy.

@@ -222,8 +222,8 @@ impl Refiner<'_> {
 
     /// Finds labels around the vertices of the transaction anew; whether that has mended all.
     fn relabel_changed(&mut self) -> Result<bool, Error> {
-        let stars = self.changed_stars()?;
-        let sound = self.relabel(stars.clone())? && !self.stars_leak(&stars, &self.control)?;
+        let mut stars = self.changed_stars()?;
+        let sound = self.relabel(&mut stars)? && !self.stars_leak(&stars, &self.control)?;
         if sound {
             self.boundary.note_labels(self.t, &stars, &self.control)?;
         }
@@ -406,8 +406,8 @@ impl Refiner<'_> {
     }
 
     /// Finds the labels of tetrahedra that have changed anew, and looks at them: while a subfacet was missing, labels may have come from its other
-    /// side. All others have the right ones. False, with nothing changed, when there is a label that can't be found.
-    fn relabel(&mut self, mut order: Vec<u32>) -> Result<bool, Error> {
+    /// side. All others have the right ones. False, with no label changed, when there is one that can't be found. Each is in the list but once then.
+    fn relabel(&mut self, order: &mut Vec<u32>) -> Result<bool, Error> {
         let control = self.control.clone();
         let turns = control.turns();
         let mut changed: FxHashSet<u32> = FxHashSet::default();
@@ -415,12 +415,12 @@ impl Refiner<'_> {
         order.retain(|&tet| turns.go_on() && changed.insert(tet));
         turns.end()?;
         if self.t.topology.region.is_empty() {
-            self.watch_changed(&order)?;
+            self.watch_changed(order)?;
             return Ok(true);
         }
         let mut labels: FxHashMap<u32, u16> = FxHashMap::default();
         labels.reserve(order.len());
-        for &seed in &order {
+        for &seed in order.iter() {
             turns.check()?;
             if labels.contains_key(&seed) {
                 continue;
@@ -461,11 +461,11 @@ impl Refiner<'_> {
                 labels.insert(tet, label);
             }
         }
-        for tet in &order {
+        for tet in order.iter() {
             turns.check()?;
             self.t.topology.region[*tet as usize] = labels[tet];
         }
-        self.watch_changed(&order)?;
+        self.watch_changed(order)?;
         Ok(true)
     }
 

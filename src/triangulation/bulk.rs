@@ -188,21 +188,19 @@ impl Triangulation {
         }
         let mut put_off = Vec::new();
         for partition in [outer, inner] {
-            if !self.insert_pass(&partition, helpers, progress, &mut put_off)? {
-                return Ok(false);
-            }
+            self.insert_pass(&partition, helpers, progress, &mut put_off)?;
         }
         self.insert_all_of(put_off.into_iter(), progress)
     }
 
-    /// One pass over the territories; `false` when cancelled. What has to be put off is added to the list.
+    /// One pass over the territories, unless the control says stop. What has to be put off is added to the list.
     fn insert_pass(
         &mut self,
         partition: &Partition,
         helpers: &mut Helpers,
         progress: &mut Progress,
         put_off: &mut Vec<(u32, u32)>,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         let territories = partition.count();
         let starts = (0..territories).map(|i| self.starts_in(partition, i, progress.control));
         let starts: Vec<Vec<u32>> = starts.collect::<Result<_, Error>>()?;
@@ -226,16 +224,15 @@ impl Triangulation {
         // SAFETY: this is the triangulation, and nobody else has it; the starts were found for their territories, and there is room in
         // the cavities.
         let outcomes = unsafe { pass.run(&mut cavities[..ready], |more| progress.report(more)) };
-        let Some(outcomes) = outcomes else {
-            // All of it is forgotten now; the memory may serve again.
-            tets.clear();
-            self.topology.tets = tets;
-            return Ok(false);
-        };
-        // SAFETY: the outcomes of this pass.
-        let (end, mut free) = match unsafe { pass.settle(&outcomes) } {
+        let settled = outcomes.ok_or(Error::Cancelled).and_then(|outcomes| {
+            // SAFETY: the outcomes of this pass.
+            let settled = unsafe { pass.settle(&outcomes) };
+            settled.map(|(end, free)| (outcomes, end, free))
+        });
+        let (outcomes, end, mut free) = match settled {
             Ok(settled) => settled,
             Err(error) => {
+                // All of it is forgotten now; the memory may serve again.
                 tets.clear();
                 self.topology.tets = tets;
                 return Err(error);
@@ -256,7 +253,7 @@ impl Triangulation {
             progress.duplicates.extend(outcome.duplicates);
         }
         progress.done += done;
-        Ok(true)
+        Ok(())
     }
 
     fn is_live(&self, t: u32) -> bool {

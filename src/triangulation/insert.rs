@@ -254,7 +254,7 @@ impl Triangulation {
                 return Err(Error::Cancelled);
             }
             self.room_ahead(control)?;
-            self.insert_or_back(v, self.last, Back::Nowhere, control)?;
+            self.insert_stored(v, self.last, control)?;
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ use crate::leavings::Leavings;
 use crate::{memory, Control, Error};
 
 /// Faces, edges or tetrahedra between two looks at the control.
-pub(super) const PART: usize = 1 << 12;
+const PART: usize = 1 << 12;
 
 /// An edge of one of the cavity's faces.
 #[derive(Clone, Copy, Debug, Default)]

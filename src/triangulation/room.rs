@@ -39,13 +39,9 @@ impl Triangulation {
     #[cold]
     #[inline(never)]
     pub(crate) fn make_room_ahead(&mut self, control: &Control) -> Result<(), Error> {
-        self.make_tetrahedra_ahead(control)?;
+        self.make_tetrahedra(AHEAD, control)?;
         memory::grow(&mut self.points, AHEAD, "points", control)?;
         memory::grow(&mut self.topology.vertex_tet, AHEAD, "vertices", control)
-    }
-
-    fn make_tetrahedra_ahead(&mut self, control: &Control) -> Result<(), Error> {
-        self.make_tetrahedra(AHEAD, control)
     }
 
     /// Room for so many more tetrahedra, if they are not there yet.
@@ -63,7 +59,7 @@ impl Triangulation {
     #[inline]
     pub(super) fn tetrahedra_ahead(&mut self, cavity: &mut Cavity, control: &Control) -> Result<(), Error> {
         if self.lacks_tetrahedra_ahead() {
-            self.make_tetrahedra_ahead(control)?;
+            self.make_tetrahedra(AHEAD, control)?;
             cavity.grow_for(self, control)?;
         }
         Ok(())

@@ -92,11 +92,7 @@ impl Triangulation {
                     topology.tets[t as usize].n[slot] = 4 * hole.created[tet_of(n) as usize] + slot_of(n) as u32;
                 }
             }
-            for v in topology.tet(t).v {
-                if v != GHOST {
-                    topology.vertex_tet[v as usize] = t;
-                }
-            }
+            topology.name_incident(&[t]);
             if labelled {
                 topology.region[t as usize] = coming.label.unwrap_or(any_label);
             }
