@@ -253,7 +253,11 @@ pub(crate) struct Watch<'a> {
     stopped: AtomicBool,
 }
 
-impl Watch<'_> {
+impl<'a> Watch<'a> {
+    pub fn control(&self) -> &'a Control {
+        self.control
+    }
+
     /// Whether to go on.
     pub fn poll(&self) -> bool {
         if !self.control.poll() {

@@ -20,6 +20,7 @@
 
 pub mod capi;
 mod control;
+mod distinct;
 pub mod domain;
 mod error;
 pub mod geometry;

@@ -22,15 +22,18 @@ pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> 
     list.try_reserve(more).map_err(none_for(what))
 }
 
-/// [`reserve`] for a list that is empty. What it has taken is given back in pieces if it is not enough: to have it made longer would be a copy of what nobody needs.
+/// Empties a list, with room for so many elements. What it has taken is given back in pieces if it is not enough: to have it made longer would be a copy of what nobody
+/// needs.
 pub(crate) fn reserve_anew<T: Send + 'static>(
     list: &mut Vec<T>,
     count: usize,
     what: &'static str,
     control: &Control,
 ) -> Result<(), Error> {
-    debug_assert!(list.is_empty() && !std::mem::needs_drop::<T>());
-    if list.capacity() < count {
+    debug_assert!(!std::mem::needs_drop::<T>());
+    if list.capacity() >= count {
+        list.clear();
+    } else {
         control.give_back(std::mem::take(list));
         *list = with_room(count, what)?;
     }
@@ -141,7 +144,7 @@ pub(crate) fn grow<T: Copy + Send + 'static>(
     Ok(())
 }
 
-/// [`grow`] for a list that is a long one by now; a short one grows by itself in no time.
+/// [`grow`] for a list that is a long one by now, [`reserve`] for a short one, which takes no time.
 #[inline]
 pub(crate) fn grow_long<T: Copy + Send + 'static>(
     list: &mut Vec<T>,
@@ -151,7 +154,7 @@ pub(crate) fn grow_long<T: Copy + Send + 'static>(
 ) -> Result<(), Error> {
     const LONG: usize = 1 << 16;
     if list.len() < LONG {
-        return Ok(());
+        return reserve(list, more, what);
     }
     grow(list, more, what, control)
 }

@@ -11,19 +11,29 @@ const PART: usize = 1 << 13;
 const POLL_INTERVAL: usize = 1 << 12;
 
 /// Sorts a list, unless the control says stop: then it has the same elements in some order, or some of them twice.
-pub(crate) fn sort<T: Copy + Ord>(list: &mut [T], watch: &Watch<'_>) -> Result<(), Error> {
+pub(crate) fn sort<T: Copy + Ord + Send + 'static>(list: &mut [T], watch: &Watch<'_>) -> Result<(), Error> {
     sort_by(list, watch, T::cmp)
 }
 
 /// [`sort`], and of what is there several times one remains.
-pub(crate) fn sort_unique<T: Copy + Ord>(list: &mut Vec<T>, watch: &Watch<'_>) -> Result<(), Error> {
+pub(crate) fn sort_unique<T: Copy + Ord + Send + 'static>(list: &mut Vec<T>, watch: &Watch<'_>) -> Result<(), Error> {
     sort(list, watch)?;
-    list.dedup();
+    let mut kept = 0;
+    for i in 0..list.len() {
+        if i % POLL_INTERVAL == 0 {
+            watch.check()?;
+        }
+        if kept == 0 || list[kept - 1] != list[i] {
+            list[kept] = list[i];
+            kept += 1;
+        }
+    }
+    list.truncate(kept);
     Ok(())
 }
 
 /// [`sort`] by an order of which no two elements are the same.
-pub(crate) fn sort_by<T: Copy>(
+pub(crate) fn sort_by<T: Copy + Send + 'static>(
     list: &mut [T],
     watch: &Watch<'_>,
     compare: impl Fn(&T, &T) -> Ordering,
@@ -35,7 +45,7 @@ pub(crate) fn sort_by<T: Copy>(
     if list.len() <= PART {
         return Ok(());
     }
-    let Ok(mut merged) = memory::with_room(list.len(), "order") else {
+    let Ok(mut merged) = memory::room_in_pieces(list.len(), "order", watch.control()) else {
         // Slower to stop, but no less right.
         list.sort_unstable_by(compare);
         return Ok(());
@@ -57,8 +67,10 @@ pub(crate) fn sort_by<T: Copy>(
                     a = &a[1..];
                 }
             }
-            merged.extend_from_slice(a);
-            merged.extend_from_slice(b);
+            for rest in a.chunks(PART).chain(b.chunks(PART)) {
+                watch.check()?;
+                merged.extend_from_slice(rest);
+            }
         }
         for (part, merged) in list.chunks_mut(PART).zip(merged.chunks(PART)) {
             watch.check()?;

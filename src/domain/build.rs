@@ -45,9 +45,9 @@ impl Boundary {
             boundary.add_segment(parts, ids, segment.ends, segment.marker);
         }
         for facet in &plc.facets {
-            turns.check()?;
             for polygon in &facet.polygons {
                 for (i, &v) in polygon.iter().enumerate() {
+                    turns.check()?;
                     boundary.add_segment(parts, ids, [v, polygon[(i + 1) % polygon.len()]], facet.marker);
                 }
             }

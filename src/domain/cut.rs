@@ -3,7 +3,7 @@
 
 use super::planar::{extent, facet_normal, off_plane};
 use super::plc::{Plc, PlcFacet};
-use crate::DVec3;
+use crate::{Control, DVec3};
 
 impl Plc {
     /// Replaces each facet of a single polygon that is not planar by a fan of triangles around one of its corners, the first from which all of them turn the way
@@ -13,7 +13,7 @@ impl Plc {
     pub fn cut_warped(&mut self) -> Vec<u32> {
         let mut origins = Vec::with_capacity(self.facets.len());
         let mut facets = Vec::with_capacity(self.facets.len());
-        let extent = extent(&self.points);
+        let extent = extent(&self.points, Control::never()).unwrap_or(0.0);
         for (i, facet) in std::mem::take(&mut self.facets).into_iter().enumerate() {
             let parts = fan(&self.points, &facet, extent).unwrap_or_default();
             origins.extend((0..parts.len().max(1)).map(|_| i as u32));

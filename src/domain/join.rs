@@ -36,7 +36,7 @@ impl Plc {
         }
         let at_side = AtSides::new(self, control)?;
         let cosine = degrees.clamp(0.0, 90.0).to_radians().cos();
-        let extent = extent(&self.points);
+        let extent = extent(&self.points, control)?;
         let area = |i: usize| normals[i].map_or(0.0, |_| self.size_of(i));
         // Large ones first: their normals are the most exact.
         let mut seeds: Vec<(f64, usize)> = (0..count).map(|i| (area(i), i)).collect();

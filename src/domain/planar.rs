@@ -30,10 +30,16 @@ pub fn planarity(size: f64, extent: f64) -> f64 {
 }
 
 /// The diagonal of the bounding box of those of some points that are finite.
-pub fn extent(points: &[DVec3]) -> f64 {
-    let finite = || points.iter().copied().filter(|p| p.is_finite());
-    let (low, high) = (finite().reduce(DVec3::min), finite().reduce(DVec3::max));
-    low.zip(high).map_or(0.0, |(low, high)| low.distance(high))
+pub fn extent(points: &[DVec3], control: &Control) -> Result<f64, Error> {
+    let mut corners: Option<[DVec3; 2]> = None;
+    let turns = control.turns();
+    for &p in points {
+        turns.check()?;
+        if p.is_finite() {
+            corners = corners.map(|[low, high]| [low.min(p), high.max(p)]).or(Some([p; 2]));
+        }
+    }
+    Ok(corners.map_or(0.0, |[low, high]| low.distance(high)))
 }
 
 /// Why a facet can't be triangulated.
@@ -77,10 +83,29 @@ pub fn size_from(points: &[DVec3], vertices: &[u32]) -> f64 {
 
 /// The vertex that lies too far off the plane, and how far. All points have this [`extent`].
 pub fn off_plane(points: &[DVec3], vertices: &[u32], normal: DVec3, extent: f64) -> Option<(u32, f64)> {
-    let origin = points[vertices[0] as usize];
-    let size = size_from(points, vertices);
-    let off = vertices.iter().map(|&v| (v, (points[v as usize] - origin).dot(normal).abs()));
-    off.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|&(_, off)| off > planarity(size, extent))
+    off_plane_within(points, vertices, normal, extent, Control::never()).unwrap_or_default()
+}
+
+/// [`off_plane`], unless the control says stop.
+pub fn off_plane_within(
+    points: &[DVec3],
+    vertices: &[u32],
+    normal: DVec3,
+    extent: f64,
+    control: &Control,
+) -> Result<Option<(u32, f64)>, Error> {
+    let (origin, turns) = (points[vertices[0] as usize], control.turns());
+    let (mut size, mut farthest) = (0.0f64, (vertices[0], 0.0));
+    for &v in vertices {
+        turns.check()?;
+        let from_origin = points[v as usize] - origin;
+        size = size.max(from_origin.length());
+        let off = from_origin.dot(normal).abs();
+        if off >= farthest.1 {
+            farthest = (v, off);
+        }
+    }
+    Ok(Some(farthest).filter(|&(_, off)| off > planarity(size, extent)))
 }
 
 /// Vertices that are put in as they come; of more, one after the other in space.

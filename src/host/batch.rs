@@ -68,7 +68,16 @@ enum Outcome {
     Refused,
 }
 
+/// Where a sample would come to lie.
+enum Located {
+    /// In the circumsphere of this tetrahedron, and the cavity is known.
+    In(u32),
+    /// Not in the domain; this face lies between, if the sample encroaches upon it.
+    Beyond(Option<[u32; 3]>),
+}
+
 struct Round<'a> {
+    control: &'a Control,
     mesh: Mesh<'a>,
     boundary: Boundary,
     radius_edge: f64,
@@ -115,7 +124,8 @@ fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Resu
     };
     let (low, high) = mesh.filter.bounding_box();
     let mut round = Round {
-        taken: vec![false; mesh.tets.len()],
+        control,
+        taken: memory::zeroed(mesh.tets.len(), "tetrahedra", control)?.keep(),
         radius_edge: options.radius_edge,
         rule: options.rule,
         min_edge: crate::triangulation::least_edge(low, high),
@@ -129,7 +139,7 @@ fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Resu
         link: Vec::new(),
         batch: ArrayBatch::default(),
     };
-    let done = round.run(control);
+    let done = round.run();
     round.mesh.give_back_to(control);
     control.give_back(std::mem::take(&mut round.taken));
     done.map(|()| round.batch)
@@ -139,22 +149,30 @@ fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Resu
 type Bad = (u64, [u32; 2], u32);
 
 impl Round<'_> {
-    fn run(&mut self, control: &Control) -> Result<(), Error> {
+    fn run(&mut self) -> Result<(), Error> {
+        let control = self.control;
         let encroached = self.boundary.encroached_by_vertices(&self.mesh, control)?;
         self.batch.encroached = encroached.segments.len() + encroached.facets.len();
         for &edge in &encroached.segments {
             control.check()?;
-            let outcome = self.split_segment(edge, [NONE; 2]);
+            let outcome = self.split_segment(edge, [NONE; 2])?;
             self.count(outcome);
         }
         for &face in &encroached.facets {
             control.check()?;
-            let outcome = self.split_facet(face, [NONE; 2]);
+            let outcome = self.split_facet(face, [NONE; 2])?;
             self.count(outcome);
         }
         let bad = self.bad(control)?;
-        self.batch.bad_edges = bad.iter().map(|b| b.1).collect();
-        self.batch.bad_edges.dedup();
+        let mut edges = memory::room_in_pieces(bad.len(), "bad short edges", control)?;
+        let turns = control.turns();
+        for &(_, edge, _) in bad.iter() {
+            turns.check()?;
+            if edges.last() != Some(&edge) {
+                edges.push(edge);
+            }
+        }
+        self.batch.bad_edges = edges.keep();
         let mut limit = f64::INFINITY;
         for (i, &(bits, edge, tet)) in bad.iter().enumerate() {
             let goes_on = if i % 256 == 0 {
@@ -169,7 +187,7 @@ impl Round<'_> {
             if length > limit {
                 break;
             }
-            let outcome = self.mend(tet, edge);
+            let outcome = self.mend(tet, edge)?;
             self.count(outcome);
             if outcome != Outcome::Refused {
                 limit = limit.min(length * WINDOW * WINDOW);
@@ -195,7 +213,7 @@ impl Round<'_> {
             let length = |[i, j]: [usize; 2]| self.mesh.at(v[i]).distance_squared(self.mesh.at(v[j])).to_bits();
             let (length, edge) =
                 EDGES.map(|e| (length(e), edge_key(e.map(|i| v[i])))).into_iter().min().unwrap_or_default();
-            memory::reserve(&mut bad, 1, "bad tetrahedra")?;
+            memory::grow_long(&mut bad, 1, "bad tetrahedra", control)?;
             bad.push((length, edge, t));
         }
         // Ties by vertices, not by places in the arrays, which say nothing.
@@ -211,13 +229,13 @@ impl Round<'_> {
     }
 
     /// Mends a bad tetrahedron at its shortest edge.
-    fn mend(&mut self, tet: u32, edge: [u32; 2]) -> Outcome {
+    fn mend(&mut self, tet: u32, edge: [u32; 2]) -> Result<Outcome, Error> {
         if self.taken[tet as usize] {
             // It will be gone.
-            return Outcome::Waits;
+            return Ok(Outcome::Waits);
         }
         if self.boundary.is_seditious(&self.mesh, edge) {
-            return Outcome::Refused;
+            return Ok(Outcome::Refused);
         }
         let v = self.mesh.tets[tet as usize];
         if self.rule != Rule::Circumcenter {
@@ -231,15 +249,15 @@ impl Round<'_> {
             };
             if let Some(outcome) = self.sampled.get(&sector) {
                 // Another bad tetrahedron has asked for the same.
-                return outcome.again();
+                return Ok(outcome.again());
             }
             let [p, q] = edge.map(|v| mesh.at(v));
             self.facet.set(p, q, self.link.iter().map(|&r| mesh.at(r)), closed);
             let samples = sample_component(&self.facet, &mut self.arcs, self.radius_edge, self.rule);
             if let Some(samples) = samples {
-                let outcome = self.place(samples.points, tet, edge);
+                let outcome = self.place(samples.points, tet, edge)?;
                 self.sampled.insert(sector, outcome);
-                return outcome;
+                return Ok(outcome);
             }
         }
         // Rounding must not depend on how a tetrahedron is stored: lower vertices first, as in the refinement.
@@ -250,9 +268,8 @@ impl Round<'_> {
     }
 
     /// Takes an edge's samples as a candidate, or splits what they encroach upon.
-    fn place(&mut self, points: Vec<DVec3>, tet: u32, edge: [u32; 2]) -> Outcome {
+    fn place(&mut self, points: Vec<DVec3>, tet: u32, edge: [u32; 2]) -> Result<Outcome, Error> {
         let mut group: Vec<(ArrayPoint, Cavity)> = Vec::new();
-        let mut found = Encroached::default();
         let mut outcome = Outcome::Refused;
         for p in points {
             let p = flush_tiny(p);
@@ -260,51 +277,53 @@ impl Round<'_> {
             if check_range(0, p).is_err() {
                 continue;
             }
-            let start = self.locate(p, tet, &mut cavity, &mut found);
-            if start != NONE {
-                self.boundary.encroached_by(&self.mesh, p, &cavity, &mut found);
-            }
+            let (start, mut found) = match self.locate(p, tet, &mut cavity)? {
+                Located::In(start) => (start, self.boundary.encroached_by(&self.mesh, p, &cavity, self.control)?),
+                Located::Beyond(face) => {
+                    let mut between = Encroached::default();
+                    between.facets.extend(face);
+                    (NONE, between)
+                }
+            };
             if !found.segments.is_empty() || !found.facets.is_empty() {
-                outcome = self.split_encroached(p, &mut found, edge);
+                outcome = self.split_encroached(p, &mut found, edge)?;
                 break;
             }
-            if start != NONE && self.rim_distance(p, &cavity) >= self.min_edge {
+            if start != NONE && self.rim_distance(p, &cavity)? >= self.min_edge {
                 group.push((ArrayPoint { position: p, origin: Origin::Sample, edge, tetrahedron: start }, cavity));
             }
         }
         match (group.is_empty(), outcome) {
-            (true, outcome) => outcome,
+            (true, outcome) => Ok(outcome),
             (false, Outcome::Refused) => self.take(group),
             // The samples before the one that met the boundary stay.
-            (false, outcome) => {
-                self.take(group);
-                outcome
-            }
+            (false, outcome) => self.take(group).map(|_| outcome),
         }
     }
 
-    /// A tetrahedron in conflict with `p`, and the cavity; or what lies between, as encroached upon.
-    fn locate(&self, p: DVec3, near: u32, cavity: &mut Cavity, found: &mut Encroached) -> u32 {
-        found.segments.clear();
-        found.facets.clear();
-        if self.mesh.cavity(p, near, cavity) {
-            return near;
+    /// A tetrahedron in conflict with `p`, and the cavity; or what lies between.
+    fn locate(&self, p: DVec3, near: u32, cavity: &mut Cavity) -> Result<Located, Error> {
+        let (mesh, control) = (&self.mesh, self.control);
+        if mesh.cavity(p, near, cavity, control)? {
+            return Ok(Located::In(near));
         }
-        match self.mesh.walk(p, near) {
-            Walk::In(t) if self.mesh.cavity(p, t, cavity) => t,
-            Walk::Beyond(face) => {
-                let key = super::topology::face_key(self.mesh.face(face));
-                if encroaches_facet(key.map(|v| self.mesh.at(v)), p) {
-                    found.facets.push(key);
+        let mut between = None;
+        match mesh.walk(p, near, control)? {
+            Walk::In(t) => {
+                if mesh.cavity(p, t, cavity, control)? {
+                    return Ok(Located::In(t));
                 }
-                NONE
             }
-            Walk::In(_) => NONE,
+            Walk::Beyond(face) => {
+                let key = super::topology::face_key(mesh.face(face));
+                between = Some(key).filter(|key| encroaches_facet(key.map(|v| mesh.at(v)), p));
+            }
         }
+        Ok(Located::Beyond(between))
     }
 
     /// Rule 3: the splits of what a sample encroaches upon.
-    fn split_encroached(&mut self, p: DVec3, found: &mut Encroached, edge: [u32; 2]) -> Outcome {
+    fn split_encroached(&mut self, p: DVec3, found: &mut Encroached, edge: [u32; 2]) -> Result<Outcome, Error> {
         if !found.segments.is_empty() {
             found.facets.clear();
         }
@@ -313,88 +332,95 @@ impl Round<'_> {
         }
         let mut outcome = Outcome::Refused;
         for &segment in &found.segments {
-            outcome = better(outcome, self.split_segment(segment, edge));
+            outcome = better(outcome, self.split_segment(segment, edge)?);
         }
         for &face in &found.facets {
-            outcome = better(outcome, self.split_facet(face, edge));
+            outcome = better(outcome, self.split_facet(face, edge)?);
         }
-        outcome
+        Ok(outcome)
     }
 
     /// Rule 1.
-    fn split_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Outcome {
+    fn split_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Result<Outcome, Error> {
         if let Some(outcome) = self.tried_segments.get(&segment) {
-            return outcome.again();
+            return Ok(outcome.again());
         }
-        let outcome = self.try_segment(segment, edge);
+        let outcome = self.try_segment(segment, edge)?;
         self.tried_segments.insert(segment, outcome);
-        outcome
+        Ok(outcome)
     }
 
-    fn try_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Outcome {
+    fn try_segment(&mut self, segment: [u32; 2], edge: [u32; 2]) -> Result<Outcome, Error> {
         let p = flush_tiny(self.boundary.split_point(&self.mesh, segment));
         let mut cavity = Cavity::default();
-        let Some(near) = self.boundary.at_segment(segment) else { return Outcome::Refused };
-        if !self.mesh.cavity(p, near, &mut cavity) || self.rim_distance(p, &cavity) < self.min_edge {
-            return Outcome::Refused;
+        let Some(near) = self.boundary.at_segment(segment) else { return Ok(Outcome::Refused) };
+        if !self.mesh.cavity(p, near, &mut cavity, self.control)? || self.rim_distance(p, &cavity)? < self.min_edge {
+            return Ok(Outcome::Refused);
         }
         let point = ArrayPoint { position: p, origin: Origin::Segment(segment), edge, tetrahedron: near };
         self.take(vec![(point, cavity)])
     }
 
     /// Rule 2.
-    fn split_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Outcome {
+    fn split_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Result<Outcome, Error> {
         if let Some(outcome) = self.tried_facets.get(&face) {
-            return outcome.again();
+            return Ok(outcome.again());
         }
-        let outcome = self.try_facet(face, edge);
+        let outcome = self.try_facet(face, edge)?;
         self.tried_facets.insert(face, outcome);
-        outcome
+        Ok(outcome)
     }
 
-    fn try_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Outcome {
+    fn try_facet(&mut self, face: [u32; 3], edge: [u32; 2]) -> Result<Outcome, Error> {
         let [a, b, c] = face.map(|v| self.mesh.at(v));
         let p = flush_tiny(triangle_circumcenter(a, b, c));
         let mut cavity = Cavity::default();
-        let Some(near) = self.boundary.at_facet(face).map(tet_of) else { return Outcome::Refused };
+        let Some(near) = self.boundary.at_facet(face).map(tet_of) else { return Ok(Outcome::Refused) };
         if check_range(0, p).is_err()
-            || !self.mesh.cavity(p, near, &mut cavity)
-            || self.rim_distance(p, &cavity) < self.min_edge
+            || !self.mesh.cavity(p, near, &mut cavity, self.control)?
+            || self.rim_distance(p, &cavity)? < self.min_edge
         {
-            return Outcome::Refused;
+            return Ok(Outcome::Refused);
         }
-        let mut found = Encroached::default();
-        self.boundary.encroached_by(&self.mesh, p, &cavity, &mut found);
+        let found = self.boundary.encroached_by(&self.mesh, p, &cavity, self.control)?;
         let mut outcome = Outcome::Refused;
         for segment in found.segments {
-            outcome = better(outcome, self.split_segment(segment, edge));
+            outcome = better(outcome, self.split_segment(segment, edge)?);
         }
         if outcome != Outcome::Refused {
-            return outcome;
+            return Ok(outcome);
         }
         let point = ArrayPoint { position: p, origin: Origin::Subfacet(face), edge, tetrahedron: near };
         self.take(vec![(point, cavity)])
     }
 
     /// Takes a candidate, if its cavities are free and share no face with those taken.
-    fn take(&mut self, group: Vec<(ArrayPoint, Cavity)>) -> Outcome {
-        let is_free = |t: &u32| !self.taken[*t as usize];
-        if !group.iter().all(|(_, cavity)| cavity.tets.iter().all(is_free) && cavity.around.iter().all(is_free)) {
-            return Outcome::Waits;
+    fn take(&mut self, group: Vec<(ArrayPoint, Cavity)>) -> Result<Outcome, Error> {
+        let turns = self.control.turns();
+        for &t in group.iter().flat_map(|(_, cavity)| cavity.tets.iter().chain(&cavity.around)) {
+            turns.check()?;
+            if self.taken[t as usize] {
+                return Ok(Outcome::Waits);
+            }
         }
         for (point, cavity) in group {
             for t in cavity.tets {
+                turns.check()?;
                 self.taken[t as usize] = true;
             }
             self.batch.points.push(point);
         }
-        Outcome::Taken
+        Ok(Outcome::Taken)
     }
 
     /// The distance from the cavity's point to the nearest vertex.
-    fn rim_distance(&self, p: DVec3, cavity: &Cavity) -> f64 {
-        let corners = cavity.tets.iter().flat_map(|&t| self.mesh.corners(t));
-        corners.map(|v| v.distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt()
+    fn rim_distance(&self, p: DVec3, cavity: &Cavity) -> Result<f64, Error> {
+        let (mut least, turns) = (f64::INFINITY, self.control.turns());
+        for &t in &cavity.tets {
+            turns.check()?;
+            least = self.mesh.corners(t).into_iter().map(|v| v.distance_squared(p)).fold(least, f64::min);
+        }
+        Ok(least.sqrt())
     }
 }
 

@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 
 use super::topology::{face_key, Cavity, Mesh, NONE};
 use super::Arrays;
+use crate::distinct::Distinct;
 use crate::domain::acute::{is_acute, Carrier};
 use crate::domain::boundary::{edge_key, Encroached};
 use crate::geometry::circumsphere::triangle_circumcenter;
@@ -249,19 +250,27 @@ impl Boundary {
     }
 
     /// What a point encroaches upon around its cavity.
-    pub(super) fn encroached_by(&self, mesh: &Mesh<'_>, p: DVec3, cavity: &Cavity, found: &mut Encroached) {
-        found.clear();
+    pub(super) fn encroached_by(
+        &self,
+        mesh: &Mesh<'_>,
+        p: DVec3,
+        cavity: &Cavity,
+        control: &Control,
+    ) -> Result<Encroached, Error> {
+        let (mut segments, mut facets) = (Distinct::default(), Distinct::default());
+        let turns = control.turns();
         for &t in &cavity.tets {
+            turns.check()?;
             let v = mesh.tets[t as usize];
             let kinds = v.map(|v| self.kind(v));
             for [i, j] in EDGES {
                 let key = edge_key([v[i], v[j]]);
                 if kinds[i] & kinds[j] & ON_SEGMENT != 0
                     && self.subsegments.contains_key(&key)
-                    && !found.segments.contains(&key)
+                    && !segments.contains(key)
                     && encroaches_segment(key.map(|v| mesh.at(v)), p)
                 {
-                    found.segments.push(key);
+                    segments.insert(key);
                 }
             }
             for slot in 0..4 {
@@ -270,11 +279,14 @@ impl Boundary {
                     continue;
                 }
                 let key = face_key(face);
-                if !found.facets.contains(&key) && encroaches_facet(key.map(|v| mesh.at(v)), p) {
-                    found.facets.push(key);
+                if !facets.contains(key) && encroaches_facet(key.map(|v| mesh.at(v)), p) {
+                    facets.insert(key);
                 }
             }
         }
+        let mut found = Encroached::default();
+        (found.segments, found.facets) = (segments.list, facets.list);
+        Ok(found)
     }
 
     /// Subsegments and subfacets that a vertex of the mesh encroaches upon, in order.

@@ -1,7 +1,7 @@
 use glam::{DQuat, EulerRot};
 
 use super::*;
-use crate::samples::random_points;
+use crate::samples::{on_a_sphere, random_points};
 use crate::{Control, Error, Mesh, Origin, Plc, RefineOptions, Rule, Sparsify, StepOptions, Triangulation};
 
 fn boxed(points: &[DVec3], half: f64) -> Vec<DVec3> {
@@ -304,4 +304,25 @@ fn tetrahedra_on_the_same_side_of_their_common_face_are_refused() {
     let itself = [[u32::MAX, u32::MAX, u32::MAX, 0], [u32::MAX; 4]];
     let arrays = Arrays { points: &points, tetrahedra: &tetrahedra, neighbours: &itself, ..Arrays::default() };
     assert!(matches!(sample_arrays(&arrays, &StepOptions::default(), &Control::new()), Err(Error::InvalidMesh { .. })));
+}
+
+/// Points on one sphere, as rounding lets them: the first sample's cavity is nearly all there is.
+#[test]
+fn a_round_can_be_cancelled_at_every_look_however_large_its_cavities_are() {
+    let host = Host::new(&on_a_sphere(700));
+    let tetrahedra = host.tetrahedra();
+    let arrays = Arrays { points: host.t.points(), tetrahedra: &tetrahedra, ..Arrays::default() };
+    let options = StepOptions { radius_edge: 2.0, rule: Rule::Sparse };
+    let control = Control::new();
+    let mut whole = None;
+    let looks = control.looks(None, || whole = sample_arrays(&arrays, &options, &control).unwrap());
+    let whole = whole.unwrap();
+    let cavity = whole.points.iter().map(|p| cavity_of(&host.t, p.position).len()).max().unwrap_or(0);
+    assert!(cavity > 1000 && looks > 60, "{cavity}, {looks}");
+    for last in (1..=looks).step_by(looks.div_ceil(200)) {
+        let mut batch = None;
+        let made = control.looks(Some(last), || batch = sample_arrays(&arrays, &options, &control).unwrap());
+        // When all was there, what was made is given back with the last looks.
+        assert!(made >= last && batch.is_none_or(|batch| batch == whole && last + 20 > looks), "{last} of {looks}");
+    }
 }

@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use super::Arrays;
+use crate::distinct::Distinct;
 use crate::geometry::predicates::orient3d;
 use crate::geometry::{check_range, Filter, Sign};
+use crate::sorting::sort;
 use crate::triangulation::topology::{slot_of, tet_of, EVEN_REST, MAX_TETRAHEDRA};
 use crate::{memory, Control, Error};
 
@@ -39,6 +41,8 @@ pub struct Cavity {
     pub tets: Vec<u32>,
     /// Those on the other sides of its faces.
     pub around: Vec<u32>,
+    /// All of these.
+    seen: Distinct<u32>,
 }
 
 fn invalid(problem: String) -> Error {
@@ -213,9 +217,11 @@ impl<'a> Mesh<'a> {
     }
 
     /// Walks from a tetrahedron towards a point. On a mesh that is not Delaunay it may go in circles: then it ends as if the point were beyond.
-    pub fn walk(&self, p: DVec3, start: u32) -> Walk {
+    pub fn walk(&self, p: DVec3, start: u32, control: &Control) -> Result<Walk, Error> {
         let (mut t, mut entry) = (start, NONE);
+        let turns = control.turns();
         for _ in 0..4 * self.tets.len() {
+            turns.check()?;
             let corners = self.corners(t);
             let leaves = |slot: usize| {
                 let mut with_p = corners;
@@ -225,16 +231,16 @@ impl<'a> Mesh<'a> {
             };
             // An inner face rather than one of the outside: around a corner of a domain that is not convex there may be a way.
             let mut exits = (0..4).filter(|&slot| leaves(slot)).map(|slot| 4 * t + slot as u32).peekable();
-            let Some(&first) = exits.peek() else { return Walk::In(t) };
+            let Some(&first) = exits.peek() else { return Ok(Walk::In(t)) };
             match exits.find(|&face| self.across(face) != NONE) {
                 Some(face) => {
                     entry = self.across(face);
                     t = tet_of(entry);
                 }
-                None => return Walk::Beyond(first),
+                None => return Ok(Walk::Beyond(first)),
             }
         }
-        Walk::Beyond(4 * t)
+        Ok(Walk::Beyond(4 * t))
     }
 
     /// Whether a tetrahedron's circumsphere holds the point or passes through it. Cospherical points count, so that the cavity is no smaller
@@ -245,33 +251,36 @@ impl<'a> Mesh<'a> {
     }
 
     /// The cavity of a point in or at tetrahedron `start`. False if that is not in conflict.
-    pub fn cavity(&self, p: DVec3, start: u32, cavity: &mut Cavity) -> bool {
-        cavity.tets.clear();
-        cavity.around.clear();
+    pub fn cavity(&self, p: DVec3, start: u32, cavity: &mut Cavity, control: &Control) -> Result<bool, Error> {
+        let Cavity { tets, around, seen } = cavity;
+        tets.clear();
+        around.clear();
+        seen.clear();
         let mut filter = self.filter.clone();
         filter.extend(p);
         if !self.conflicts(&filter, start, p) {
-            return false;
+            return Ok(false);
         }
-        cavity.tets.push(start);
-        let mut next = 0;
-        // Cavities are small: a few tens of tetrahedra, so looking through the lists beats a set.
-        while next < cavity.tets.len() {
+        seen.insert(start);
+        tets.push(start);
+        let (mut next, turns) = (0, control.turns());
+        while next < tets.len() {
+            turns.check()?;
             for slot in 0..4 {
-                let across = self.across(4 * cavity.tets[next] + slot);
+                let across = self.across(4 * tets[next] + slot);
                 let t = tet_of(across);
-                if across == NONE || cavity.tets.contains(&t) || cavity.around.contains(&t) {
+                if across == NONE || !seen.insert(t) {
                     continue;
                 }
                 if self.conflicts(&filter, t, p) {
-                    cavity.tets.push(t);
+                    tets.push(t);
                 } else {
-                    cavity.around.push(t);
+                    around.push(t);
                 }
             }
             next += 1;
         }
-        true
+        Ok(true)
     }
 
     /// The tetrahedra around the edge in slots `i` and `j` of tetrahedron `t`, from `t` on, as (tetrahedron, k, l): the next lies across the face
@@ -346,6 +355,7 @@ fn find_neighbours(points: usize, tets: &[[u32; 4]], control: &Control) -> Resul
         }
     }
     for v in 0..points {
+        turns.check()?;
         starts[v + 1] += starts[v];
     }
     let mut faces = memory::zeroed::<([u32; 2], u32)>(4 * tets.len(), WHAT, control)?;
@@ -362,7 +372,7 @@ fn find_neighbours(points: usize, tets: &[[u32; 4]], control: &Control) -> Resul
     for (v, range) in starts.windows(2).enumerate() {
         turns.check()?;
         let faces = &mut faces[range[0]..range[1]];
-        faces.sort_unstable();
+        sort(faces, &control.watch())?;
         for same in faces.chunk_by(|f, g| f.0 == g.0) {
             match *same {
                 [(_, f), (_, g)] => {

@@ -76,6 +76,12 @@ pub struct Queue {
 
 impl Leavings for Queue {
     fn give_back(&mut self) -> bool {
+        if let Some((_, last)) = self.waiting.full.last_mut() {
+            if !last.give_back() {
+                self.waiting.full.pop();
+            }
+            return true;
+        }
         let mut rest = Each(std::mem::take(&mut self.waiting.lists));
         let more = rest.give_back();
         self.waiting.lists = rest.0;
@@ -118,6 +124,8 @@ struct Buckets {
     /// The bucket that stands first, a multiple of 64.
     first: u32,
     lists: Vec<Vec<Waiting>>,
+    /// Lists that were full and [long](LONG), each with its bucket: to have them grow would take as long as they are, with nobody asked meanwhile.
+    full: Vec<(u32, Vec<Waiting>)>,
     /// A bit for each: whether there is anything in it.
     filled: Vec<u64>,
     /// What the lists have taken, about.
@@ -143,8 +151,17 @@ impl Buckets {
         let place = if place < self.lists.len() { place } else { self.make_place(bucket) };
         let list = &mut self.lists[place];
         if list.len() == list.capacity() {
-            memory::reserve(list, 1, "bad tetrahedra")?;
-            self.bytes += list.capacity() * size_of::<Waiting>() / 2;
+            let before = if list.len() < LONG {
+                let before = list.capacity();
+                memory::reserve(list, 1, "bad tetrahedra")?;
+                before
+            } else {
+                memory::reserve(&mut self.full, 1, "bad tetrahedra")?;
+                let next = memory::with_room(LONG, "bad tetrahedra")?;
+                self.full.push((bucket, std::mem::replace(list, next)));
+                0
+            };
+            self.bytes += (list.capacity() - before) * size_of::<Waiting>();
         }
         self.filled[place / 64] |= 1 << (place % 64);
         list.push(entry);
@@ -177,28 +194,33 @@ impl Buckets {
         Some(self.first + 64 * word as u32 + bits.trailing_zeros())
     }
 
-    /// Puts a list that was [taken](Self::take) back.
-    fn put(&mut self, bucket: u32, list: Vec<Waiting>) {
-        if !list.is_empty() {
-            let place = (bucket - self.first) as usize;
-            self.filled[place / 64] |= 1 << (place % 64);
-            self.bytes += list.capacity() * size_of::<Waiting>();
-            self.lists[place] = list;
-        }
+    /// What is in a bucket that is [filled](Self::first_filled), in no order.
+    fn entries(&self, bucket: u32) -> impl Iterator<Item = &[Waiting]> {
+        let full = self.full.iter().filter(move |(of, _)| *of == bucket).map(|(_, list)| &list[..]);
+        full.chain([&self.lists[(bucket - self.first) as usize][..]])
     }
 
-    fn take(&mut self, bucket: u32) -> Vec<Waiting> {
-        let place = bucket.wrapping_sub(self.first) as usize;
-        let Some(list) = self.lists.get_mut(place) else { return Vec::new() };
+    /// Empties a bucket that is [filled](Self::first_filled), and says how many entries it had.
+    fn clear(&mut self, bucket: u32, control: &Control) -> usize {
+        let place = (bucket - self.first) as usize;
         self.filled[place / 64] &= !(1 << (place % 64));
-        self.bytes = self.bytes.saturating_sub(list.capacity() * size_of::<Waiting>());
-        std::mem::take(list)
+        let (mut count, mut next) = (0, Some(std::mem::take(&mut self.lists[place])));
+        while let Some(list) = next {
+            count += list.len();
+            self.bytes -= list.capacity() * size_of::<Waiting>();
+            control.give_back(list);
+            let full = self.full.iter().position(|(of, _)| *of == bucket);
+            next = full.map(|i| self.full.swap_remove(i).1);
+        }
+        count
     }
 }
 
 /// Places that are judged between two looks at the control.
 const PART: usize = 1 << 12;
 
+/// A list of what waits that is full is not made longer from this length on.
+const LONG: usize = if cfg!(test) { 16 } else { 1 << 16 };
 /// The heap has at most so many entries of several buckets.
 const LATE: usize = if cfg!(test) { 16 } else { 1 << 12 };
 /// Entries that are made ready while one is mended.
@@ -333,19 +355,12 @@ impl Queue {
         control: &Control,
         judge: &mut impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<(), Error> {
-        let waiting = self.waiting.take(first);
-        let judged = self.judge_waiting(&waiting, t, control, judge);
-        match judged.and_then(|()| self.entries_of(first, t, control)) {
-            Ok(entries) => {
-                self.count = self.count - waiting.len() + entries.len();
-                (self.near, self.current) = (entries, first);
-                Ok(())
-            }
-            Err(error) => {
-                self.waiting.put(first, waiting);
-                Err(error)
-            }
-        }
+        self.judge_waiting(first, t, control, judge)?;
+        let entries = self.entries_of(first, t, control)?;
+        self.count = self.count - self.waiting.clear(first, control) + entries.len();
+        control.give_back(std::mem::replace(&mut self.near, entries));
+        self.current = first;
+        Ok(())
     }
 
     /// Entries for those judged that are in this bucket, the first one last.
@@ -362,23 +377,26 @@ impl Queue {
         Ok(entries.keep())
     }
 
-    /// Finds those in a list that are still to be mended.
+    /// Finds those in a bucket that are still to be mended.
     fn judge_waiting(
         &mut self,
-        waiting: &[Waiting],
+        bucket: u32,
         t: &Triangulation,
         control: &Control,
         judge: &mut impl FnMut(&[u32], &mut Vec<(u32, f64)>),
     ) -> Result<(), Error> {
         let turns = control.turns();
         self.places.clear();
-        for (i, entry) in waiting.iter().enumerate() {
-            turns.check()?;
-            if let Some(later) = waiting.get(i + AHEAD) {
-                t.topology.prefetch(later.t);
-            }
-            if entry.may_live(t) {
-                self.places.push(entry.t);
+        for list in self.waiting.entries(bucket) {
+            memory::grow_long(&mut self.places, list.len(), "queue", control)?;
+            for (i, entry) in list.iter().enumerate() {
+                turns.check()?;
+                if let Some(later) = list.get(i + AHEAD) {
+                    t.topology.prefetch(later.t);
+                }
+                if entry.may_live(t) {
+                    self.places.push(entry.t);
+                }
             }
         }
         // One that has gone and come again has been queued twice.
@@ -387,6 +405,7 @@ impl Queue {
         self.judged.clear();
         for part in self.places.chunks(PART) {
             control.check()?;
+            memory::grow_long(&mut self.judged, PART, "queue", control)?;
             judge(part, &mut self.judged);
         }
         Ok(())

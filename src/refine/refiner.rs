@@ -577,7 +577,7 @@ impl<'a> Refiner<'a> {
             self.cavity.clear();
         }
         match prepared {
-            Err(Unplaced::Cancelled) => Err(Error::Cancelled),
+            Err(Unplaced::Ended(error)) => Err(error),
             refused => Ok(refused.is_err()),
         }
     }

@@ -31,7 +31,11 @@ pub enum Split {
 }
 
 /// Sorts what comes behind the first so many entries of a queue, of which the rest stays where it is.
-fn sort_last<K: Copy + Ord>(queue: &mut VecDeque<(K, Demand)>, first: usize, control: &Control) -> Result<(), Error> {
+fn sort_last<K: Copy + Ord + Send + 'static>(
+    queue: &mut VecDeque<(K, Demand)>,
+    first: usize,
+    control: &Control,
+) -> Result<(), Error> {
     let mut last: Vec<_> = queue.drain(first..).collect();
     let sorted = sort_by(&mut last, &control.watch(), |(a, _), (b, _)| a.cmp(b));
     queue.extend(last);
@@ -93,7 +97,7 @@ impl Refiner<'_> {
                 self.record((existing, false), before, changes, (labels, outlook));
                 Ok(Split::Done(existing))
             }
-            (_, Err(Unplaced::Cancelled)) => Err(Error::Cancelled),
+            (_, Err(Unplaced::Ended(error))) => Err(error),
             (false, Ok(())) => {
                 self.find_encroached(p)?;
                 let room = self.rim_distance(p)?;

@@ -13,7 +13,7 @@ use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::quality::exceeds_radius_edge;
 use crate::geometry::{check_range, flush_tiny};
 use crate::sampler::{sample_edge, Rule};
-use crate::sorting::sort;
+use crate::sorting::sort_unique;
 use crate::triangulation::cavity::Cavity;
 use crate::{memory, Control, Error, Mesh};
 
@@ -84,13 +84,12 @@ impl Mesh {
             if !exceeds_radius_edge(self.t.corners(t), radius_edge) {
                 continue;
             }
-            memory::reserve(&mut edges, 1, "bad short edges")?;
+            memory::grow_long(&mut edges, 1, "bad short edges", control)?;
             let ([i, j], shortest) = super::queue::shortest_edge(&self.t, t);
             let v = self.t.topology.tet(t).v;
             edges.push((shortest.to_bits(), edge_key([v[i], v[j]])));
         }
-        sort(&mut edges, &control.watch())?;
-        edges.dedup();
+        sort_unique(&mut edges, &control.watch())?;
         let mut all = memory::room_in_pieces(edges.len(), "bad short edges", control)?;
         for (_, edge) in edges.iter() {
             turns.check()?;

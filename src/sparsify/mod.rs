@@ -310,7 +310,7 @@ impl Sparsifier {
     pub fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         self.alone.grow_for(t, control)?;
         self.pair.grow_for(t, control)?;
-        self.hole.grow_for(t, control)
+        self.hole.grow_for_additions(t, control)
     }
 
     /// Gives its memory back.

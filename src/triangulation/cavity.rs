@@ -86,6 +86,8 @@ impl Cavity {
     }
 
     /// As long as the triangulation has room for tetrahedra and vertices, in pieces, so that no search has to do it. The cavity is forgotten.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
         self.clear();
         let (tetrahedra, vertices) = t.room();
@@ -100,11 +102,12 @@ impl Cavity {
 
     /// Makes an empty cavity with marks for all tetrahedra.
     #[inline]
-    pub(super) fn begin(&mut self, tetrahedra: usize, capacity: usize) {
-        self.clear();
-        if self.marks.len() < tetrahedra {
-            self.marks.resize(capacity.max(64), 0);
+    pub(super) fn begin(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        if self.marks.len() < t.topology.tets.len() {
+            return self.grow_for(t, control);
         }
+        self.clear();
+        Ok(())
     }
 
     /// The vertices of one of `faces`; the ghost may be one.

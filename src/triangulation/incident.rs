@@ -1,52 +1,40 @@
 //! The tetrahedra at a vertex, one after the other, breadth first: a walk that can be left at any time and gone on with.
 
-use rustc_hash::FxHashSet;
-
 use super::topology::{tet_of, Topology, GHOST, NONE};
 use super::Triangulation;
+use crate::distinct::Distinct;
 use crate::{Control, Error};
 
 /// A walk through the tetrahedra at a vertex, ghosts included. The triangulation must stay as it is meanwhile.
 pub struct StarWalk {
     vertex: u32,
-    /// Those found, in order; those before `next` have been handed out.
-    star: Vec<u32>,
+    /// Those found; those before `next` have been handed out.
+    star: Distinct<u32>,
     next: usize,
-    /// What `star` holds, once it holds many.
-    seen: FxHashSet<u32>,
 }
 
-/// So many are found faster by looking through them.
+/// Room for most stars.
 const FEW: usize = 48;
 
 impl StarWalk {
     /// Starts at the vertex's own tetrahedron, if it has one.
     pub fn new(topology: &Topology, vertex: u32) -> StarWalk {
         let first = topology.vertex_tet[vertex as usize];
-        let star = if first == NONE { Vec::new() } else { vec![first] };
-        StarWalk { vertex, star, next: 0, seen: FxHashSet::default() }
+        let mut star = Distinct::default();
+        if first != NONE {
+            star.insert(first);
+        }
+        StarWalk { vertex, star, next: 0 }
     }
 
     /// The next one.
     pub fn next(&mut self, topology: &Topology) -> Option<u32> {
-        let &t = self.star.get(self.next)?;
+        let &t = self.star.list.get(self.next)?;
         self.next += 1;
         let tet = topology.tet(t);
         for slot in 0..4 {
-            if tet.v[slot] == self.vertex {
-                continue;
-            }
-            let neighbour = tet_of(tet.n[slot]);
-            let is_new = if self.star.len() < FEW {
-                !self.star.contains(&neighbour)
-            } else {
-                if self.seen.is_empty() {
-                    self.seen.extend(self.star.iter().copied());
-                }
-                self.seen.insert(neighbour)
-            };
-            if is_new {
-                self.star.push(neighbour);
+            if tet.v[slot] != self.vertex {
+                self.star.insert(tet_of(tet.n[slot]));
             }
         }
         Some(t)
@@ -54,9 +42,9 @@ impl StarWalk {
 
     /// All of them.
     pub fn all(mut self, topology: &Topology) -> Vec<u32> {
-        self.star.reserve(FEW);
+        self.star.list.reserve(FEW);
         while self.next(topology).is_some() {}
-        self.star
+        self.star.list
     }
 }
 
@@ -67,7 +55,7 @@ impl Triangulation {
         while walk.next(&self.topology).is_some() {
             turns.check()?;
         }
-        Ok(walk.star)
+        Ok(walk.star.list)
     }
 }
 

@@ -51,12 +51,12 @@ pub struct Inserted {
 }
 
 /// Why a constructed point can't be inserted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Unplaced {
     /// This vertex is at the same place.
     Occupied(u32),
-    /// The control has cancelled the search.
-    Cancelled,
+    /// The search for its cavity has ended early: a control has cancelled it, or memory is lacking.
+    Ended(Error),
     /// A coordinate is one that the [predicates can't hold](crate::geometry::check_range), as the circumcentre's of corners that nearly are in line.
     OutOfRange,
 }
@@ -393,11 +393,11 @@ impl Triangulation {
         filter.extend(point);
         let in_conflict = self.vertex_at(start, point).is_none() && self.conflicts(&filter, start, point);
         let arrived = if in_conflict { Ok(start) } else { self.walk_within(&filter, point, start, control) };
-        let t = arrived.map_err(|_| Unplaced::Cancelled)?;
+        let t = arrived.map_err(Unplaced::Ended)?;
         if let Some(at) = self.vertex_at(t, point) {
             return Err(Unplaced::Occupied(at));
         }
-        self.find_cavity(&filter, point, t, cavity, control).map_err(|_| Unplaced::Cancelled)
+        self.find_cavity(&filter, point, t, cavity, control).map_err(Unplaced::Ended)
     }
 
     /// Inserts the point that `cavity` was found for. After an error, that of a cancellation perhaps, all is as it was, but that the cavity is empty.

@@ -46,8 +46,6 @@ impl LargeStar {
     /// The faces are those of a cavity of `site` as it is, and the labels are its.
     #[cold]
     pub unsafe fn plan(&mut self, site: Site, faces: &[u32], labels: &Labels, control: &Control) -> Result<(), Error> {
-        self.planned.clear();
-        self.sides.clear();
         self.ghosts = 0;
         memory::reserve_anew(&mut self.planned, faces.len(), "star", control)?;
         memory::reserve_anew(&mut self.sides, 3 * faces.len(), "star", control)?;
@@ -85,7 +83,6 @@ impl LargeStar {
         let LargeStar { sides, sorted, places, .. } = self;
         places.clear();
         memory::lengthen(places, labels + 1, 0, "star", control)?;
-        sorted.clear();
         memory::reserve_anew(sorted, sides.len(), "star", control)?;
         for part in sides.chunks(PART) {
             control.check()?;

@@ -168,6 +168,12 @@ impl Hole {
         memory::lengthen(&mut self.local, vertices, NONE, "vertices", control)
     }
 
+    /// [`grow_for`](Self::grow_for), for replacements that add a vertex, too.
+    pub(crate) fn grow_for_additions(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        self.cavity.grow_for(t, control)?;
+        self.grow_for(t, control)
+    }
+
     fn take(&mut self, t: u32, v: [u32; 4]) {
         self.marks[t as usize] = 1;
         self.going.push(Going { t, v });

@@ -73,7 +73,7 @@ impl Triangulation {
     ) -> Result<(), Error> {
         debug_assert!(self.conflicts(filter, start, p));
         assert!((start as usize) < self.topology.tets.len());
-        cavity.begin(self.topology.tets.len(), self.topology.tets.capacity());
+        cavity.begin(self, control)?;
         // SAFETY: `start` exists, every tetrahedron has a mark, and nothing changes the triangulation meanwhile.
         if unsafe { search_from(Site::of(self), filter, p, start, cavity, (Everywhere, control)) } {
             Ok(())
@@ -528,7 +528,7 @@ mod tests {
             unsafe {
                 let found = walk::<Portable, _>(Site::of(&t), &filter, p, t.recent(), Everywhere);
                 assert_eq!(found, (start, true));
-                portable.begin(t.topology.tets.len(), t.topology.tets.capacity());
+                portable.begin(&t, &Control::new()).unwrap();
                 assert!(search::<Portable, _>(
                     Site::of(&t),
                     &filter,

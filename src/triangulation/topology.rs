@@ -353,7 +353,7 @@ impl Topology {
     /// Renumbers the vertices: `new_id[v]` replaces `v`. `vertex_tet` is rebuilt for `count` vertices. Where memory is lacking or the control says
     /// stop, half of it may be done.
     pub fn renumber(&mut self, new_id: &[u32], count: usize, threads: usize, control: &Control) -> Result<(), Error> {
-        const PART: usize = 1 << 15;
+        const PART: usize = 1 << 13;
         // First by old ids, which are neighbours in memory where the vertices are in space. The first of a vertex's tetrahedra counts, whoever
         // comes first, and most of the others need but a look.
         let mut incident = memory::room_in_pieces(new_id.len(), "vertices", control)?;
@@ -405,7 +405,7 @@ impl Topology {
         keep: u32,
         control: &Control,
     ) -> Result<(Topology, u32), Error> {
-        const PART: usize = 1 << 14;
+        const PART: usize = 1 << 12;
         let mut place = memory::room_in_pieces::<u32>(self.tets.len(), "tetrahedra", control)?;
         let mut live = 0;
         for part in self.tets.chunks(PART) {

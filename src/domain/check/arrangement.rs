@@ -3,7 +3,7 @@
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::boundary::edge_key;
 use crate::domain::facet::dominant_axis;
-use crate::domain::planar::{extent, facet_normal, off_plane, triangles_within, PlanarDefect};
+use crate::domain::planar::{extent, facet_normal_within, off_plane_within, triangles_within, PlanarDefect};
 use crate::domain::plc::Plc;
 use crate::geometry::check_range;
 use crate::leavings::{give_elements_back, InPieces, Leavings};
@@ -87,7 +87,7 @@ impl Arrangement {
             turns.check()?;
             new.add_segment(i, segment.ends, defects);
         }
-        let extent = extent(&plc.points);
+        let extent = extent(&plc.points, control)?;
         for i in 0..plc.facets.len() {
             control.check()?;
             new.add_facet((plc, extent), i, defects, control)?;
@@ -175,14 +175,17 @@ impl Arrangement {
         }
         let mut vertices = Vec::new();
         let mut sides = Vec::new();
-        let before = defects.len();
+        let (before, turns) = (defects.len(), control.turns());
         for polygon in &facet.polygons {
-            let ring: Vec<u32> = polygon.iter().filter_map(|&v| self.named(v, element, defects)).collect();
+            let some = polygon.iter().take_while(|_| turns.go_on());
+            let ring: Vec<u32> = some.filter_map(|&v| self.named(v, element, defects)).collect();
+            turns.end()?;
             if ring.len() < polygon.len() {
                 // An unusable point has a defect of its own.
                 continue;
             }
             for (i, &v) in ring.iter().enumerate() {
+                turns.check()?;
                 vertices.push(v);
                 let next = ring[(i + 1) % ring.len()];
                 if v != next {
@@ -196,11 +199,11 @@ impl Arrangement {
             return Ok(());
         }
         let place = |v: u32| plc.points[v as usize];
-        let Some(normal) = facet_normal(&self.points, &vertices) else {
+        let Some(normal) = facet_normal_within(&self.points, &vertices, control)? else {
             defects.push(PlcDefect::new(PlcDefectKind::NoArea, [element], place(vertices[0])));
             return Ok(());
         };
-        if let Some((v, off)) = off_plane(&self.points, &vertices, normal, extent) {
+        if let Some((v, off)) = off_plane_within(&self.points, &vertices, normal, extent, control)? {
             defects.push(PlcDefect::new(PlcDefectKind::NotPlanar, [element], place(v)).measured(off));
             return Ok(());
         }
@@ -212,7 +215,6 @@ impl Arrangement {
                 return Ok(());
             }
         }
-        let turns = control.turns();
         for ends in sides {
             turns.check()?;
             self.side(ends).facets.push(index as u32);

@@ -91,6 +91,7 @@ impl Boxes {
                 if !tree.root().envelope().intersects(&other.root().envelope()) {
                     continue;
                 }
+                control.check()?;
                 for (a, b) in tree.intersection_candidates_with_other_tree(other).map(|(a, b)| (a.data, b.data)) {
                     turns.check()?;
                     if keep(a, b) {

@@ -30,7 +30,7 @@ pub(super) fn find(
     let at = |v: u32| a.points[v as usize];
     let sides = Boxes::new(a.sides.iter().map(|side| side.ends.map(at)), control)?;
     let triangles = Boxes::new(a.triangles.iter().map(|(triangle, _)| triangle.map(at)), control)?;
-    let (alone, reach) = (alone(a, control)?, PLANARITY * extent(&a.points));
+    let (alone, reach) = (alone(a, control)?, PLANARITY * extent(&a.points, control)?);
     let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
     points_on_sides(a, &sides, &reach_of, defects, control)?;
     points_in_facets(a, &triangles, &reach_of, defects, control)?;

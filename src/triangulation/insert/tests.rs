@@ -215,16 +215,28 @@ fn an_insertion_can_be_cancelled_on_a_long_walk() {
     let end = DVec3::new(69_998.5, 0.125, 0.125);
     let start = t.finite_at(t.topology.vertex_tet[0]);
     let control = Control::new();
-    let looks = control.looks(None, || t.prepare(end, start, &mut Cavity::default(), &control).unwrap());
-    assert!(looks >= 4, "{looks}");
-    for last in 1..=looks {
-        let mut cavity = Cavity::default();
-        let made = control.looks(Some(last), || {
-            assert!(matches!(t.prepare(end, start, &mut cavity, &control), Err(Unplaced::Cancelled)), "look {last}")
-        });
-        assert_eq!(made, last);
-    }
+    // With memory of its own, or with what a search before it has left.
     let mut cavity = Cavity::default();
+    for is_new in [true, false] {
+        let fresh = |cavity: &mut Cavity| {
+            if is_new {
+                *cavity = Cavity::default();
+            }
+        };
+        t.prepare(end, start, &mut cavity, &control).unwrap();
+        fresh(&mut cavity);
+        let looks = control.looks(None, || t.prepare(end, start, &mut cavity, &control).unwrap());
+        assert!(looks >= 4, "{looks}");
+        for last in 1..=looks {
+            fresh(&mut cavity);
+            let made = control.looks(Some(last), || {
+                let ended = Err(Unplaced::Ended(Error::Cancelled));
+                assert_eq!(t.prepare(end, start, &mut cavity, &control), ended, "look {last}");
+            });
+            // What memory was made is given back, with more looks.
+            assert!(made == last || is_new && made > last, "{made}, {last}");
+        }
+    }
     t.prepare(end, start, &mut cavity, &control).unwrap();
     let vertex = t.insert_into(end, &mut cavity, &Control::new()).unwrap();
     assert_eq!(t.locate(end, Some(0)), crate::Location::Vertex(vertex));
