@@ -118,7 +118,7 @@ impl Mesh {
 
     /// The error for a subsegment or subfacet that recovery had to leave missing.
     fn unrecovered(&self, control: &Control) -> Result<Option<Error>, Error> {
-        let Some(boundary) = self.boundary() else { return Ok(None) };
+        let Some(boundary) = self.boundary().filter(|boundary| boundary.misses()) else { return Ok(None) };
         let Some(defect) = boundary.first_missing(&self.t, control)? else { return Ok(None) };
         let element = match defect {
             Defect::MissingSubfacet { face } => boundary.facet_of(face).map(crate::DomainElement::Facet),
@@ -165,9 +165,7 @@ impl Mesh {
         let mut boundary = InPieces::new(boundary, control);
         let mut status = RefineStatus::Done;
         if self.t.dimension() == 3 {
-            boundary.enqueue_all(&self.t, control)?;
-            boundary.pending_segments.clear();
-            boundary.pending_facets.clear();
+            boundary.enqueue_missing(&self.t, control)?;
             // Angles near 0 may ask for splits without end, almost: then the element that is still missing is named.
             let elements = self.t.vertex_count() + boundary.element_count();
             let max_vertices = RECOVERY_ROOM + RECOVERY_FACTOR.saturating_mul(elements);

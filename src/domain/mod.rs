@@ -45,6 +45,7 @@ pub mod plc;
 pub(crate) mod protect;
 mod sector;
 mod split;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod unsplit;

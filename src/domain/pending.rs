@@ -5,10 +5,11 @@
 
 use super::acute::Carrier;
 use super::boundary::{Boundary, ACUTE, SHARP};
+use crate::geometry::quality::EDGES;
 use crate::leavings::InPieces;
 use crate::parted::PartedMap;
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error};
+use crate::{memory, Control, DVec3, Error};
 
 /// What is demanded of a split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,11 +84,29 @@ impl Boundary {
 
     /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.
     pub(crate) fn find_room(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
+        let mut nearest = memory::filled(t.vertex_slots(), f64::INFINITY, "vertices", control)?;
+        // The nearest vertex is one that it has an edge to, and each edge is one of a finite tetrahedron.
+        let finite = |&tet: &u32| !t.topology.tet(tet).is_ghost();
+        for tet in t.topology.live().filter(finite) {
+            turns.check()?;
+            let v = t.topology.tet(tet).v;
+            for [i, j] in EDGES.map(|edge| edge.map(|slot| v[slot])) {
+                if (self.kind(i) | self.kind(j)) & ACUTE != 0 {
+                    let distance = t.at(i).distance_squared(t.at(j));
+                    for end in [i, j] {
+                        let known = &mut nearest[end as usize];
+                        *known = known.min(distance);
+                    }
+                }
+            }
+        }
         let mut room_at = InPieces::new(PartedMap::default(), control);
         for &v in self.shortest_at.keys() {
-            control.check()?;
-            if let Some(w) = t.nearest_neighbour_within(v, control)? {
-                room_at.insert(v, t.at(v).distance(t.at(w)));
+            turns.check()?;
+            let distance = nearest[v as usize].sqrt();
+            if distance.is_finite() {
+                room_at.insert(v, distance);
             }
         }
         self.room_at = room_at.keep();

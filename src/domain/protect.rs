@@ -141,15 +141,9 @@ impl Boundary {
 impl Triangulation {
     /// The vertex nearest to a vertex: one that it has an edge to.
     pub(crate) fn nearest_neighbour(&self, vertex: u32) -> Option<u32> {
-        self.nearest_neighbour_within(vertex, Control::never()).unwrap_or_default()
-    }
-
-    /// [`nearest_neighbour`](Self::nearest_neighbour), unless the control says stop.
-    pub(crate) fn nearest_neighbour_within(&self, vertex: u32, control: &Control) -> Result<Option<u32>, Error> {
-        let (turns, mut walk) = (control.turns(), StarWalk::new(&self.topology, vertex));
+        let mut walk = StarWalk::new(&self.topology, vertex);
         let mut nearest = (f64::INFINITY, GHOST);
         while let Some(tet) = walk.next(&self.topology) {
-            turns.check()?;
             for v in self.topology.tet(tet).v.into_iter().filter(|&v| v != GHOST && v != vertex) {
                 let near = (self.at(v).distance_squared(self.at(vertex)), v);
                 if near < nearest {
@@ -157,6 +151,6 @@ impl Triangulation {
                 }
             }
         }
-        Ok(Some(nearest.1).filter(|&v| v != GHOST))
+        Some(nearest.1).filter(|&v| v != GHOST)
     }
 }

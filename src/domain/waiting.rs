@@ -7,8 +7,8 @@ use super::acute::Carrier;
 use super::boundary::{edge_key, face_key, Boundary};
 use super::encroached::Encroached;
 use super::pending::Demand;
+use super::survey::Survey;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
-use crate::leavings::InPieces;
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{Control, DVec3, Error};
@@ -190,29 +190,22 @@ impl Boundary {
     /// Queues every subsegment and subfacet that a vertex encroaches upon, or that is missing from the triangulation. Nothing has changed when the
     /// control says stop.
     pub(crate) fn enqueue_all(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let (mut segments, mut facets) = (InPieces::new(Vec::new(), control), InPieces::new(Vec::new(), control));
-        let mut missing_segments = InPieces::new(Vec::new(), control);
-        let mut missing_facets = InPieces::new(Vec::new(), control);
-        for &edge in &*self.subsegments.sorted_keys(control)? {
-            control.check()?;
-            match self.state_of_segment(t, edge, control)? {
-                State::Missing => missing_segments.push(edge),
-                State::Encroached => segments.push(edge),
-                State::Clear => {}
-            }
-        }
-        for &face in &*self.subfacets.sorted_keys(control)? {
-            control.check()?;
-            match self.state_of_facet(t, face, control)? {
-                State::Missing => missing_facets.push(face),
-                State::Encroached => facets.push(face),
-                State::Clear => {}
-            }
-        }
-        self.enqueue_first(t, &segments, &facets, control)?;
-        self.missing_segments.extend(&*missing_segments);
-        self.missing_facets.extend(&*missing_facets);
+        let found = self.survey(t, true, control)?;
+        self.enqueue_first(t, &found.encroached_segments, &found.encroached_facets, control)?;
+        self.miss(&found);
         Ok(())
+    }
+
+    /// Queues every subsegment and subfacet that is missing from the triangulation. Nothing has changed when the control says stop.
+    pub(crate) fn enqueue_missing(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        let found = self.survey(t, false, control)?;
+        self.miss(&found);
+        Ok(())
+    }
+
+    fn miss(&mut self, found: &Survey) {
+        self.missing_segments.extend(&found.missing_segments);
+        self.missing_facets.extend(&found.missing_facets);
     }
 
     /// What is demanded of the split of a subsegment, if a vertex encroaches upon it.
@@ -272,7 +265,7 @@ impl Boundary {
     }
 
     /// If any vertex lies in the diametral ball of an edge, one of its link does.
-    fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2], control: &Control) -> Result<State, Error> {
+    pub(super) fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2], control: &Control) -> Result<State, Error> {
         let Some((tet, i, j)) = t.find_edge_within(a, b, control)? else { return Ok(State::Missing) };
         let turns = control.turns();
         let mut link = t.topology.around_edge(tet, i, j).map(|(around, k, _)| t.topology.tet(around).v[k]);
@@ -281,7 +274,7 @@ impl Boundary {
     }
 
     /// If any vertex lies in the smallest ball of a face, one of its two apices does.
-    fn state_of_facet(&self, t: &Triangulation, face: [u32; 3], control: &Control) -> Result<State, Error> {
+    pub(super) fn state_of_facet(&self, t: &Triangulation, face: [u32; 3], control: &Control) -> Result<State, Error> {
         let Some(side) = t.find_face_within(face, control)? else { return Ok(State::Missing) };
         let apex = |face: u32| t.topology.tet(tet_of(face)).v[slot_of(face)];
         let other = t.topology.tet(tet_of(side)).n[slot_of(side)];

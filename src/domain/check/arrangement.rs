@@ -96,6 +96,12 @@ impl Arrangement {
         Ok(new)
     }
 
+    /// The points that stand for themselves and are fit for the predicates.
+    pub fn usable_points(&self) -> impl Iterator<Item = u32> + '_ {
+        let usable = |&v: &u32| self.first[v as usize] == v && check_range(0, self.points[v as usize]).is_ok();
+        (0..self.points.len() as u32).filter(usable)
+    }
+
     fn merge_points(&mut self, defects: &mut Vec<PlcDefect>, control: &Control) -> Result<(), Error> {
         let mut at_place = InPieces::new(ByPoint::default(), control);
         let turns = control.turns();

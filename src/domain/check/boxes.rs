@@ -6,7 +6,7 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{Envelope, RTree, AABB};
 
 use crate::leavings::{InPieces, Leavings};
-use crate::sorting::{sort, sort_by};
+use crate::sorting::sort_by;
 use crate::{memory, Control, DVec3, Error};
 
 /// Boxes of a tree: about a millisecond to make it.
@@ -76,36 +76,54 @@ impl Boxes {
         found
     }
 
-    /// Pairs of one of these and one of the others that meet, as far as `keep` says so, sorted.
-    pub fn pairs<'a>(
+    /// Calls `each` for every two of these that meet, the lower one first, in no order.
+    pub fn each_pair(
         &self,
-        others: &Boxes,
-        keep: impl Fn(u32, u32) -> bool,
-        control: &'a Control,
-    ) -> Result<InPieces<'a, Vec<(u32, u32)>>, Error> {
-        let turns = control.turns();
-        let mut pairs = InPieces::new(Vec::new(), control);
-        for tree in &self.trees {
-            for other in &others.trees {
-                turns.check()?;
-                if !tree.root().envelope().intersects(&other.root().envelope()) {
-                    continue;
-                }
-                control.check()?;
-                for (a, b) in tree.intersection_candidates_with_other_tree(other).map(|(a, b)| (a.data, b.data)) {
-                    turns.check()?;
-                    if keep(a, b) {
-                        if pairs.len() == pairs.capacity() {
-                            memory::grow(&mut pairs, 1, "pairs", control)?;
-                        }
-                        pairs.push((a, b));
-                    }
-                }
+        control: &Control,
+        mut each: impl FnMut(u32, u32) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        for (i, tree) in self.trees.iter().enumerate() {
+            join(tree, tree, control, |a, b| if a < b { each(a, b) } else { Ok(()) })?;
+            for other in &self.trees[i + 1..] {
+                join(tree, other, control, |a, b| each(a.min(b), a.max(b)))?;
             }
         }
-        sort(&mut pairs, &control.watch())?;
-        Ok(pairs)
+        Ok(())
     }
+
+    /// Calls `each` for every one of these and one of the others that meet, in no order.
+    pub fn each_pair_with(
+        &self,
+        others: &Boxes,
+        control: &Control,
+        mut each: impl FnMut(u32, u32) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        for tree in &self.trees {
+            for other in &others.trees {
+                join(tree, other, control, &mut each)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Calls `each` for all pairs of one of the boxes of a tree and one of another's that meet.
+fn join(
+    tree: &RTree<Boxed>,
+    other: &RTree<Boxed>,
+    control: &Control,
+    mut each: impl FnMut(u32, u32) -> Result<(), Error>,
+) -> Result<(), Error> {
+    control.check()?;
+    if !tree.root().envelope().intersects(&other.root().envelope()) {
+        return Ok(());
+    }
+    let turns = control.turns();
+    for (a, b) in tree.intersection_candidates_with_other_tree(other) {
+        turns.check()?;
+        each(a.data, b.data)?;
+    }
+    Ok(())
 }
 
 impl Leavings for Boxes {
@@ -155,9 +173,17 @@ mod tests {
                 assert_eq!(boxes.at_point(p, 0.3), found);
             }
         }
-        let expected: Vec<(u32, u32)> =
-            (0..200).flat_map(|i| numbers(edges[i as usize]).map(move |j| (i, j))).filter(|(i, j)| i != j).collect();
-        assert_eq!(few.pairs(&boxes, |i, j| i != j, &control).unwrap().keep(), expected);
+        let sorted = |mut pairs: Vec<(u32, u32)>| {
+            pairs.sort_unstable();
+            pairs
+        };
+        let (mut pairs, mut within) = (Vec::new(), Vec::new());
+        few.each_pair_with(&boxes, &control, |i, j| Ok(pairs.push((i, j)))).unwrap();
+        let of = |i: u32| numbers(edges[i as usize]).map(move |j| (i, j));
+        assert_eq!(sorted(pairs), (0..200).flat_map(of).collect::<Vec<_>>());
+        boxes.each_pair(&control, |i, j| Ok(within.push((i, j)))).unwrap();
+        let all = 0..edges.len() as u32;
+        assert_eq!(sorted(within), all.flat_map(of).filter(|(i, j)| i < j).collect::<Vec<_>>());
     }
 
     #[test]

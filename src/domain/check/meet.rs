@@ -1,5 +1,5 @@
 //! Where elements of a complex meet that share nothing: points on segments and facets, segments that cross, segments through facets, facets that
-//! overlap. Candidates come from [trees of bounding boxes](super::boxes); each pair is then decided exactly.
+//! overlap. Candidates are [what is close](super::close); each pair is then decided exactly.
 //!
 //! Two facets in different planes that meet where they should not have a side of one in the other, so that sides against triangles are
 //! enough; only facets in one plane are compared with each other.
@@ -8,7 +8,7 @@
 //! on a slanted plane they can't lie exactly. Taken for points beside it, they would ask for edges as short as the last bits of coordinates.
 
 use super::arrangement::Arrangement;
-use super::boxes::Boxes;
+use super::close::Close;
 use super::defect::{PlcDefect, PlcDefectKind};
 use crate::domain::facet::dominant_axis;
 use crate::domain::planar::{extent, facet_normal, size_from, PLANARITY};
@@ -27,22 +27,26 @@ pub(super) fn find(
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
-    let at = |v: u32| a.points[v as usize];
-    let sides = Boxes::new(a.sides.iter().map(|side| side.ends.map(at)), control)?;
-    let triangles = Boxes::new(a.triangles.iter().map(|(triangle, _)| triangle.map(at)), control)?;
     let (alone, reach) = (alone(a, control)?, PLANARITY * extent(&a.points, control)?);
     let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
-    points_on_sides(a, &sides, &reach_of, defects, control)?;
-    points_in_facets(a, &triangles, &reach_of, defects, control)?;
-    sides_across_sides(a, &sides, defects, control)?;
-    sides_through_facets(a, &sides, &triangles, defects, control)?;
-    facets_in_one_plane(plc, a, &triangles, defects, control)
+    let close = Close::find(a, reach_of, control)?;
+    judge(plc, a, &close, &reach_of, defects, control)
 }
 
-/// The points that stand for themselves and are fit for the predicates.
-fn usable_points(a: &Arrangement) -> impl Iterator<Item = u32> + '_ {
-    let usable = |&v: &u32| a.first[v as usize] == v && crate::geometry::check_range(0, a.points[v as usize]).is_ok();
-    (0..a.points.len() as u32).filter(usable)
+/// [`find`] among what is close.
+fn judge(
+    plc: &Plc,
+    a: &mut Arrangement,
+    close: &Close,
+    reach_of: &impl Fn(u32) -> f64,
+    defects: &mut Vec<PlcDefect>,
+    control: &Control,
+) -> Result<(), Error> {
+    points_on_sides(a, &close.points_at_sides, reach_of, defects, control)?;
+    points_in_facets(a, &close.points_at_triangles, reach_of, defects, control)?;
+    sides_across_sides(a, &close.sides, defects, control)?;
+    sides_through_facets(a, &close.sides_through, defects, control)?;
+    facets_in_one_plane(plc, a, &close.triangles, defects, control)
 }
 
 /// Of each point whether it stands alone: no side or facet names it.
@@ -65,26 +69,23 @@ fn is_near_side([q, r]: [DVec3; 2], p: DVec3) -> bool {
 
 fn points_on_sides(
     a: &mut Arrangement,
-    boxes: &Boxes,
+    close: &[[u32; 2]],
     reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let (mut found, turns) = (Vec::new(), control.turns());
-    for v in usable_points(a) {
-        control.check()?;
+    for &[v, side] in close {
+        turns.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
-        for side in boxes.at_point(p, reach) {
-            turns.check()?;
-            let ends = a.sides[side as usize].ends;
-            let [q, r] = ends.map(|v| a.points[v as usize]);
-            // Within the bounding box and on the line is between the ends.
-            let on_line = || if reach > 0.0 { is_near_side([q, r], p) } else { collinear(q, r, p) };
-            if !ends.contains(&v) && on_line() {
-                let elements = [DomainElement::Point(v as usize), a.sides[side as usize].element()];
-                defects.push(PlcDefect::new(PlcDefectKind::PointOnSegment, elements, p));
-                found.push((side, v));
-            }
+        let ends = a.sides[side as usize].ends;
+        let [q, r] = ends.map(|v| a.points[v as usize]);
+        // Within the bounding box and on the line is between the ends.
+        let on_line = || if reach > 0.0 { is_near_side([q, r], p) } else { collinear(q, r, p) };
+        if !ends.contains(&v) && on_line() {
+            let elements = [DomainElement::Point(v as usize), a.sides[side as usize].element()];
+            defects.push(PlcDefect::new(PlcDefectKind::PointOnSegment, elements, p));
+            found.push((side, v));
         }
     }
     for (side, v) in found {
@@ -140,34 +141,31 @@ impl Plane {
 
 fn points_in_facets(
     a: &mut Arrangement,
-    boxes: &Boxes,
+    close: &[[u32; 2]],
     reach_of: &impl Fn(u32) -> f64,
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let (mut found, turns) = (Vec::new(), control.turns());
     let mut planes: PartedMap<u32, Option<Plane>> = PartedMap::default();
-    for v in usable_points(a) {
-        control.check()?;
+    for &[v, i] in close {
+        turns.check()?;
         let (p, reach) = (a.points[v as usize], reach_of(v));
-        for i in boxes.at_point(p, reach) {
-            turns.check()?;
-            let (triangle, facet) = a.triangles[i as usize];
-            let corners = &a.corners[facet as usize];
-            if corners.binary_search(&v).is_ok() {
-                continue;
+        let (triangle, facet) = a.triangles[i as usize];
+        let corners = &a.corners[facet as usize];
+        if corners.binary_search(&v).is_ok() {
+            continue;
+        }
+        let [x, y, z] = triangle.map(|v| a.points[v as usize]);
+        let exactly = orient3d(x, y, z, p) == Sign::Zero && in_triangle([x, y, z], p);
+        let mut nearly = || {
+            reach > 0.0 && {
+                let plane = planes.entry(facet).or_insert_with(|| Plane::new(&a.points, corners));
+                plane.as_ref().is_some_and(|plane| plane.has_near([x, y, z], p))
             }
-            let [x, y, z] = triangle.map(|v| a.points[v as usize]);
-            let exactly = orient3d(x, y, z, p) == Sign::Zero && in_triangle([x, y, z], p);
-            let mut nearly = || {
-                reach > 0.0 && {
-                    let plane = planes.entry(facet).or_insert_with(|| Plane::new(&a.points, corners));
-                    plane.as_ref().is_some_and(|plane| plane.has_near([x, y, z], p))
-                }
-            };
-            if exactly || nearly() {
-                found.push((facet, v));
-            }
+        };
+        if exactly || nearly() {
+            found.push((facet, v));
         }
     }
     let mut on_sides = InPieces::new(PartedMap::default(), control);
@@ -195,23 +193,15 @@ fn points_in_facets(
 
 fn sides_across_sides(
     a: &Arrangement,
-    boxes: &Boxes,
+    close: &[[u32; 2]],
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let turns = control.turns();
-    let apart = |i: u32, j: u32| {
-        let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
-        // Sides of one facet are the facet's own affair.
-        i < j && !s.ends.iter().any(|v| t.ends.contains(v)) && !s.facets.iter().any(|f| t.facets.contains(f))
-    };
-    for &(i, j) in &*boxes.pairs(boxes, apart, control)? {
+    for &pair in close {
         turns.check()?;
-        let (s, t) = (&a.sides[i as usize], &a.sides[j as usize]);
+        let [s, t] = pair.map(|i| &a.sides[i as usize]);
         let ([p, q], [r, u]) = (s.ends.map(|v| a.points[v as usize]), t.ends.map(|v| a.points[v as usize]));
-        if orient3d(p, q, r, u) != Sign::Zero {
-            continue;
-        }
         let Some((axis, _)) = projection([p, q, r]).or_else(|| projection([p, q, u])) else { continue };
         let side = |a, b, c| orient2d(axis, a, b, c) as i8;
         if side(p, q, r) * side(p, q, u) < 0 && side(r, u, p) * side(r, u, q) < 0 {
@@ -229,26 +219,18 @@ fn crossing(denominator: DVec3, numerator: DVec3) -> f64 {
 
 fn sides_through_facets(
     a: &Arrangement,
-    sides: &Boxes,
-    triangles: &Boxes,
+    close: &[[u32; 2]],
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let turns = control.turns();
-    let apart = |i: u32, j: u32| {
-        let (side, (triangle, facet)) = (&a.sides[i as usize], &a.triangles[j as usize]);
-        !side.ends.iter().any(|v| triangle.contains(v)) && !side.facets.contains(facet)
-    };
     let mut found = PartedMap::default();
-    for &(i, j) in &*sides.pairs(triangles, apart, control)? {
+    for &[i, j] in close {
         turns.check()?;
         let (side, (triangle, facet)) = (&a.sides[i as usize], a.triangles[j as usize]);
         let [p, q] = side.ends.map(|v| a.points[v as usize]);
         let corners = triangle.map(|v| a.points[v as usize]);
         let [x, y, z] = corners;
-        if orient3d(x, y, z, p) as i8 * orient3d(x, y, z, q) as i8 >= 0 {
-            continue;
-        }
         let signs = [orient3d(p, q, x, y), orient3d(p, q, y, z), orient3d(p, q, z, x)].map(|sign| sign as i8);
         if signs.contains(&1) && signs.contains(&-1) {
             continue;
@@ -274,19 +256,17 @@ fn sides_through_facets(
 fn facets_in_one_plane(
     plc: &Plc,
     a: &Arrangement,
-    boxes: &Boxes,
+    close: &[[u32; 2]],
     defects: &mut Vec<PlcDefect>,
     control: &Control,
 ) -> Result<(), Error> {
     let turns = control.turns();
     let mut found = PartedMap::default();
-    let apart = |i: u32, j: u32| i < j && a.triangles[i as usize].1 != a.triangles[j as usize].1;
-    for &(i, j) in &*boxes.pairs(boxes, apart, control)? {
+    for &pair in close {
         turns.check()?;
-        let ((first, f), (second, g)) = (a.triangles[i as usize], a.triangles[j as usize]);
+        let [(first, f), (second, g)] = pair.map(|i| a.triangles[i as usize]);
         let (p, q) = (first.map(|v| a.points[v as usize]), second.map(|v| a.points[v as usize]));
-        let in_plane = |v: DVec3| orient3d(p[0], p[1], p[2], v) == Sign::Zero;
-        if found.contains_key(&(f, g)) || !q.into_iter().all(in_plane) || !overlap(p, q) {
+        if found.contains_key(&(f, g)) || !overlap(p, q) {
             continue;
         }
         found.insert((f, g), ());
@@ -309,4 +289,95 @@ fn overlap(p: [DVec3; 3], q: [DVec3; 3]) -> bool {
         (0..3).any(|i| q.into_iter().all(|v| orient2d(axis, p[i], p[(i + 1) % 3], v) != sign))
     };
     !separates(p, q) && !separates(q, p)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{PlcFacet, PlcSegment};
+
+    /// Everything whose boxes meet, each pair looked at.
+    fn all(a: &Arrangement, reach_of: &impl Fn(u32) -> f64) -> Close {
+        let at = |v: u32| a.points[v as usize];
+        let meet = |these: &[DVec3], those: &[DVec3], reach: f64| {
+            let low = |of: &[DVec3]| of.iter().copied().reduce(DVec3::min).unwrap();
+            let high = |of: &[DVec3]| of.iter().copied().reduce(DVec3::max).unwrap();
+            (low(these) - reach).cmple(high(those)).all() && low(those).cmple(high(these) + reach).all()
+        };
+        let ends = |i: usize| a.sides[i].ends.map(at);
+        let corners = |i: usize| a.triangles[i].0.map(at);
+        let (sides, triangles) = (0..a.sides.len(), 0..a.triangles.len());
+        let mut close = Close::default();
+        for v in a.usable_points() {
+            let near = |of: &[DVec3]| meet(&[at(v)], of, reach_of(v));
+            close.points_at_sides.extend(sides.clone().filter(|&i| near(&ends(i))).map(|i| [v, i as u32]));
+            close.points_at_triangles.extend(triangles.clone().filter(|&i| near(&corners(i))).map(|i| [v, i as u32]));
+        }
+        for i in sides.clone() {
+            let (side, [p, q]) = (&a.sides[i], ends(i));
+            for j in i + 1..a.sides.len() {
+                let (other, [r, u]) = (&a.sides[j], ends(j));
+                let in_common = side.ends.iter().any(|v| other.ends.contains(v))
+                    || side.facets.iter().any(|f| other.facets.contains(f));
+                if !in_common && meet(&[p, q], &[r, u], 0.0) && orient3d(p, q, r, u) == Sign::Zero {
+                    close.sides.push([i as u32, j as u32]);
+                }
+            }
+            for j in triangles.clone() {
+                let ((triangle, facet), [x, y, z]) = (a.triangles[j], corners(j));
+                let in_common = side.ends.iter().any(|v| triangle.contains(v)) || side.facets.contains(&facet);
+                if !in_common && orient3d(x, y, z, p) as i8 * orient3d(x, y, z, q) as i8 == -1 {
+                    close.sides_through.push([i as u32, j as u32]);
+                }
+            }
+        }
+        for i in triangles.clone() {
+            for j in i + 1..a.triangles.len() {
+                let ([x, y, z], other) = (corners(i), corners(j));
+                let apart = a.triangles[i].1 != a.triangles[j].1 && meet(&[x, y, z], &other, 0.0);
+                if apart && other.into_iter().all(|p| orient3d(x, y, z, p) == Sign::Zero) {
+                    close.triangles.push([i as u32, j as u32]);
+                }
+            }
+        }
+        close
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        /// On a small grid nearly everything touches something.
+        #[test]
+        fn what_is_close_is_all_that_meets(
+            points in prop::collection::vec((0..5u8, 0..5u8, 0..3u8), 4..24),
+            facets in prop::collection::vec(prop::collection::vec(0..24u32, 3..5), 0..10),
+            segments in prop::collection::vec((0..24u32, 0..24u32), 0..5),
+        ) {
+            let named = |v: u32| v % points.len() as u32;
+            let facet = |polygon: Vec<u32>| PlcFacet { polygons: vec![polygon.into_iter().map(named).collect()], ..PlcFacet::default() };
+            let segment = |(a, b)| PlcSegment { ends: [named(a), named(b)], ..PlcSegment::default() };
+            let plc = Plc {
+                points: points.iter().map(|&(x, y, z)| DVec3::new(x.into(), y.into(), z.into())).collect(),
+                segments: segments.into_iter().map(segment).collect(),
+                facets: facets.into_iter().map(facet).collect(),
+                ..Plc::default()
+            };
+            let control = Control::new();
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            let mut a = Arrangement::new(&plc, &mut found, &control).unwrap();
+            expected.clone_from(&found);
+            let mut b = a.clone();
+            find(&plc, &mut a, &mut found, &control).unwrap();
+            let (alone, reach) = (alone(&b, &control).unwrap(), PLANARITY * extent(&b.points, &control).unwrap());
+            let reach_of = |v: u32| if alone[v as usize] { reach } else { 0.0 };
+            let close = all(&b, &reach_of);
+            judge(&plc, &mut b, &close, &reach_of, &mut expected, &control).unwrap();
+            // As text, because places may be NaN.
+            prop_assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+            let rest = |a: &Arrangement| format!("{:?} {:?}", a.sides, a.inside);
+            prop_assert_eq!(rest(&a), rest(&b));
+        }
+    }
 }

@@ -13,6 +13,7 @@
 
 pub(crate) mod arrangement;
 mod boxes;
+mod close;
 pub mod defect;
 mod edges;
 mod meet;
