@@ -15,7 +15,7 @@ use crate::sorting::{sort, sort_unique};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::topology::{tet_of, Tetrahedron, GHOST};
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error};
+use crate::{memory, Control, DVec3, Error};
 
 /// Boundary elements that a point encroaches upon.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -179,6 +179,7 @@ impl Boundary {
         found: &mut Encroached,
         control: &Control,
     ) -> Result<(), Error> {
+        const WHAT: &str = "encroached elements";
         found.clear();
         if !self.may_have_edge(cavity.rim(&t.topology)) {
             return Ok(());
@@ -195,6 +196,7 @@ impl Boundary {
             for [i, j] in places(self.subsegments.possible_edges(v)).map(|n| EDGES[n]) {
                 let key = edge_key([v[i], v[j]]);
                 if recent.is_new(key) && self.subsegments.contains_key(&key) {
+                    memory::grow_long(&mut found.inner, 1, WHAT, control)?;
                     found.inner.push(key);
                 }
             }
@@ -210,18 +212,16 @@ impl Boundary {
                     continue;
                 }
                 let key = face_key(face);
-                if goes {
-                    found.lost_facets.push(key);
-                } else {
-                    found.standing.push(key);
-                }
+                let list = if goes { &mut found.lost_facets } else { &mut found.standing };
+                memory::grow_long(list, 1, WHAT, control)?;
+                list.push(key);
             }
         }
         let watch = control.watch();
         sort_unique(&mut found.inner, &watch)?;
         // Whether it stays: one of the faces around the cavity has it.
         found.stay.clear();
-        found.stay.resize(found.inner.len(), false);
+        memory::lengthen(&mut found.stay, found.inner.len(), false, WHAT, control)?;
         if !found.inner.is_empty() {
             for &face in &cavity.faces {
                 turns.check()?;

@@ -265,7 +265,12 @@ impl Boundary {
     }
 
     /// If any vertex lies in the diametral ball of an edge, one of its link does.
-    pub(super) fn state_of_segment(&self, t: &Triangulation, [a, b]: [u32; 2], control: &Control) -> Result<State, Error> {
+    pub(super) fn state_of_segment(
+        &self,
+        t: &Triangulation,
+        [a, b]: [u32; 2],
+        control: &Control,
+    ) -> Result<State, Error> {
         let Some((tet, i, j)) = t.find_edge_within(a, b, control)? else { return Ok(State::Missing) };
         let turns = control.turns();
         let mut link = t.topology.around_edge(tet, i, j).map(|(around, k, _)| t.topology.tet(around).v[k]);

@@ -35,12 +35,11 @@ struct Entry {
 
 impl Entry {
     fn new(t: &Triangulation, tet: u32, shortest: f64) -> Entry {
-        let (vertices, order) = Entry::vertices(t, tet);
+        let (vertices, order) = Entry::vertices(t.topology.tet(tet).v);
         Entry { shortest: shortest.to_bits(), vertices, order, t: tet }
     }
 
-    fn vertices(t: &Triangulation, tet: u32) -> ([u64; 2], u8) {
-        let v = t.topology.tet(tet).v;
+    fn vertices(v: [u32; 4]) -> ([u64; 2], u8) {
         let order = v.iter().fold(0, |order, x| order << 2 | v.iter().filter(|&y| y < x).count() as u8);
         let mut sorted = v;
         sorted.sort_unstable();
@@ -49,7 +48,7 @@ impl Entry {
     }
 
     fn is_live(&self, t: &Triangulation) -> bool {
-        Entry::vertices(t, self.t) == (self.vertices, self.order)
+        t.topology.get(self.t).is_some_and(|tet| Entry::vertices(tet.v) == (self.vertices, self.order))
     }
 }
 
@@ -114,7 +113,7 @@ impl Waiting {
     }
 
     fn may_live(&self, t: &Triangulation) -> bool {
-        Waiting::of(t.topology.tet(self.t).v) == self.hash
+        t.topology.get(self.t).is_some_and(|tet| Waiting::of(tet.v) == self.hash)
     }
 }
 
@@ -306,8 +305,8 @@ impl Queue {
         if let Some(later) = next.clone().nth(NEXT) {
             t.topology.prefetch(later);
         }
-        for soon in next.take(NEXT / 2) {
-            t.topology.tet(soon).n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
+        for soon in next.take(NEXT / 2).filter_map(|soon| t.topology.get(soon)) {
+            soon.n.into_iter().for_each(|n| t.topology.prefetch(tet_of(n)));
         }
     }
 
@@ -474,5 +473,41 @@ mod tests {
         }
         assert!(count > 200, "{count}");
         assert!(queue.len() > 0);
+    }
+
+    /// A transaction that is taken back as a whole puts a copy in place that was made before the triangulation grew; what it has queued stays.
+    #[test]
+    fn places_that_there_are_no_more_are_passed_over() {
+        let corners: Vec<DVec3> =
+            (0..8).map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
+        let mut before = Triangulation::new();
+        before.insert_many(&corners, &Control::new()).unwrap().unwrap();
+        let mut after = before.clone();
+        after.insert_many(&crate::samples::random_points(40, 3), &Control::new()).unwrap().unwrap();
+        let places = |t: &Triangulation| t.topology.live().filter(|&tet| t.is_inside(tet)).collect::<Vec<_>>();
+        let everything = |t: &Triangulation, places: &[u32], out: &mut Vec<(u32, f64)>| {
+            out.extend(places.iter().map(|&tet| (tet, shortest_edge(t, tet).1)));
+        };
+        let mut queue = Queue::default();
+        for &tet in &places(&after) {
+            queue.push(&after, tet, shortest_edge(&after, tet).1).unwrap();
+        }
+        // One is popped, so that a bucket is in order, and its next ones are made ready; some more come late.
+        let first = queue.pop(&after, &Control::new(), |places, out| everything(&after, places, out)).unwrap().unwrap();
+        (0..2 * LATE).for_each(|_| queue.push(&after, first, shortest_edge(&after, first).1).unwrap());
+        for &tet in &places(&before) {
+            queue.push(&before, tet, shortest_edge(&before, tet).1).unwrap();
+        }
+        let mut found = Vec::new();
+        while let Some(tet) =
+            queue.pop(&before, &Control::new(), |places, out| everything(&before, places, out)).unwrap()
+        {
+            found.push(tet);
+        }
+        found.sort_unstable();
+        found.dedup();
+        let expected: Vec<u32> = places(&before);
+        assert!(after.topology.tets.len() > 4 * before.topology.tets.len());
+        assert_eq!(found, expected);
     }
 }

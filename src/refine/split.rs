@@ -42,9 +42,10 @@ fn sort_last<K: Copy + Ord + Send + 'static>(
     sorted
 }
 
-/// How many triangles some changes of facets remove and create.
-fn weight(changes: &[(u32, FacetChange)]) -> usize {
-    changes.iter().map(|(_, change)| change.removed.len() + change.created.len()).sum()
+/// Whether some changes of facets, which remove and create so many triangles, take as long as the change of a large star: each triangle is looked up by its vertices.
+fn are_heavy(changes: &[(u32, FacetChange)]) -> bool {
+    const HEAVY: usize = LARGE / 8;
+    changes.iter().map(|(_, change)| change.removed.len() + change.created.len()).sum::<usize>() >= HEAVY
 }
 
 impl Refiner<'_> {
@@ -85,7 +86,7 @@ impl Refiner<'_> {
                 let coming =
                     Coming { vertex: existing, at: p, edge: Some(edge), changes: &changes, faces: &faces, going: &[] };
                 let outlook = self.boundary.foresee(self.t, coming, &self.control)?;
-                if star.len() + weight(&changes) >= LARGE {
+                if star.len() >= LARGE || are_heavy(&changes) {
                     // Labels are looked at all around it.
                     self.keep(true)?;
                 }
@@ -226,7 +227,7 @@ impl Refiner<'_> {
         let going: Vec<[u32; 3]> = self.encroached.taken_facets().collect();
         let coming = Coming { vertex, at, edge, changes, faces: &self.cavity.faces, going: &going };
         let seen = (self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?);
-        let is_heavy = weight(changes) >= LARGE;
+        let is_heavy = are_heavy(changes);
         if self.is_large() || is_heavy {
             let own: &[u32] = edge.as_ref().map_or(&[], |edge| edge);
             let follows = seen.1.misses() || seen.1.labels.leak || self.takes_others(changes, own, |_| true)?;

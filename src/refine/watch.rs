@@ -46,7 +46,7 @@ impl Refiner<'_> {
         mut look: impl FnMut(&mut Self, &[u32]) -> Result<(), Error>,
     ) -> Result<(), Error> {
         for (i, part) in some.chunks(PART).enumerate() {
-            self.is_cut_short |= i > 0 && !self.control.poll();
+            self.is_cut_short |= (i > 0 || some.len() > PART) && !self.control.poll();
             if self.is_cut_short {
                 break;
             }

@@ -118,6 +118,12 @@ impl Topology {
         &self.tets[t as usize]
     }
 
+    /// The same of a place that there may not be: when a copy has taken the place of what has grown meanwhile.
+    #[inline]
+    pub fn get(&self, t: u32) -> Option<&Tetrahedron> {
+        self.tets.get(t as usize)
+    }
+
     /// Whether the labels on the two sides of a face differ, that opposite a slot. Not where there are none.
     #[inline]
     pub fn labels_differ(&self, t: u32, slot: usize) -> bool {
