@@ -82,6 +82,12 @@ impl Encroached {
         self.going_facets.iter().chain(&self.lost_facets).copied()
     }
 
+    /// How many there are, those included that may be or would go.
+    pub(crate) fn count(&self) -> usize {
+        let segments = self.segments.len() + self.lost_segments.len();
+        segments + self.facets.len() + self.lost_facets.len() + self.standing.len()
+    }
+
     /// Leaves only those that would not go.
     pub(super) fn keep_standing(&mut self) {
         let Encroached { segments, facets, going_segments, going_facets, .. } = self;

@@ -35,18 +35,22 @@ impl State {
 }
 
 impl Boundary {
-    /// Queues what of these elements still exists and can be split as demanded.
-    pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand) {
+    /// Queues what of these elements still exists and can be split as demanded; some of it, when the control says stop.
+    pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand, control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
         for &s in &found.segments {
+            turns.check()?;
             if self.waits_segment(s, demand) {
                 self.pending_segments.push_back((s, demand));
             }
         }
         for &f in &found.facets {
+            turns.check()?;
             if self.waits_facet(f, demand) {
                 self.pending_facets.push_back((f, demand));
             }
         }
+        Ok(())
     }
 
     /// [`enqueue`](Self::enqueue) for what the new vertex `v` of the boundary encroaches upon, small input angles excepted, or has taken out; while
@@ -73,7 +77,8 @@ impl Boundary {
             found.keep_standing();
             found.segments.retain(|&edge| turns.go_on() && self.vertex_encroaches_segment(t, edge, v));
             found.facets.retain(|&face| turns.go_on() && self.vertex_encroaches_facet(t, face, v));
-            self.enqueue(found, demand);
+            turns.end()?;
+            self.enqueue(found, demand, control)?;
         }
         turns.end()
     }

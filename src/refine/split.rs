@@ -42,9 +42,11 @@ fn sort_last<K: Copy + Ord + Send + 'static>(
     sorted
 }
 
-/// Whether some changes of facets, which remove and create so many triangles, take as long as the change of a large star: each triangle is looked up by its vertices.
+/// So many boundary elements take as long as the change of a large star: each is looked up by its vertices.
+const HEAVY: usize = LARGE / 8;
+
+/// Whether some changes of facets remove and create very many triangles.
 fn are_heavy(changes: &[(u32, FacetChange)]) -> bool {
-    const HEAVY: usize = LARGE / 8;
     changes.iter().map(|(_, change)| change.removed.len() + change.created.len()).sum::<usize>() >= HEAVY
 }
 
@@ -227,7 +229,7 @@ impl Refiner<'_> {
         let going: Vec<[u32; 3]> = self.encroached.taken_facets().collect();
         let coming = Coming { vertex, at, edge, changes, faces: &self.cavity.faces, going: &going };
         let seen = (self.labels_of(&self.cavity.tets)?, self.boundary.foresee(self.t, coming, &self.control)?);
-        let is_heavy = are_heavy(changes);
+        let is_heavy = are_heavy(changes) || self.encroached.count() >= HEAVY;
         if self.is_large() || is_heavy {
             let own: &[u32] = edge.as_ref().map_or(&[], |edge| edge);
             let follows = seen.1.misses() || seen.1.labels.leak || self.takes_others(changes, own, |_| true)?;

@@ -11,7 +11,7 @@ use crate::triangulation::Triangulation;
 use crate::Error;
 
 /// Tetrahedra between two looks at the control.
-const PART: usize = if cfg!(test) { 64 } else { 1 << 12 };
+const PART: usize = if cfg!(test) { 64 } else { 1 << 11 };
 
 impl Refiner<'_> {
     /// As a refinement with this control does.

@@ -178,10 +178,14 @@ mod tests {
             pairs
         };
         let (mut pairs, mut within) = (Vec::new(), Vec::new());
-        few.each_pair_with(&boxes, &control, |i, j| Ok(pairs.push((i, j)))).unwrap();
+        let note = |list: &mut Vec<(u32, u32)>, pair| {
+            list.push(pair);
+            Ok(())
+        };
+        few.each_pair_with(&boxes, &control, |i, j| note(&mut pairs, (i, j))).unwrap();
         let of = |i: u32| numbers(edges[i as usize]).map(move |j| (i, j));
         assert_eq!(sorted(pairs), (0..200).flat_map(of).collect::<Vec<_>>());
-        boxes.each_pair(&control, |i, j| Ok(within.push((i, j)))).unwrap();
+        boxes.each_pair(&control, |i, j| note(&mut within, (i, j))).unwrap();
         let all = 0..edges.len() as u32;
         assert_eq!(sorted(within), all.flat_map(of).filter(|(i, j)| i < j).collect::<Vec<_>>());
     }
