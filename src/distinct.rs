@@ -7,6 +7,7 @@ use rustc_hash::FxHashSet;
 /// So many are found faster by looking through them.
 const FEW: usize = 48;
 
+/// A list without duplicates.
 #[derive(Clone, Debug)]
 pub(crate) struct Distinct<T> {
     pub list: Vec<T>,

@@ -84,6 +84,10 @@ impl Boundary {
 
     /// Notes the distance of the nearest vertex to each acute vertex, once the boundary has been recovered.
     pub(crate) fn find_room(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        if self.shortest_at.is_empty() {
+            self.room_at = PartedMap::default();
+            return Ok(());
+        }
         let turns = control.turns();
         let mut nearest = memory::filled(t.vertex_slots(), f64::INFINITY, "vertices", control)?;
         // The nearest vertex is one that it has an edge to, and each edge is one of a finite tetrahedron.

@@ -2,6 +2,7 @@
 //! vertices, took a third of the time of making a domain of a scanned surface.
 
 use super::boundary::{edge_key, face_key, places, Boundary};
+use super::waiting::State;
 use crate::geometry::quality::EDGES;
 use crate::leavings::{InPieces, Leavings};
 use crate::sorting::sort_unique;
@@ -53,8 +54,46 @@ impl Recent {
 }
 
 impl Boundary {
-    /// How all elements stand; with `judge`, also whether they are encroached.
+    /// How all elements stand; with `judge`, also whether they are encroached. Where few stand among very many tetrahedra, as the sides of a box full of points,
+    /// each is searched for.
     pub(super) fn survey<'a>(
+        &self,
+        t: &Triangulation,
+        judge: bool,
+        control: &'a Control,
+    ) -> Result<InPieces<'a, Survey>, Error> {
+        /// A search takes as long as a look at so many tetrahedra.
+        const SEARCH: usize = 128;
+        if SEARCH * self.element_count() < t.topology.live_count() {
+            self.survey_by_searches(t, control)
+        } else {
+            self.survey_by_walk(t, judge, control)
+        }
+    }
+
+    /// What is encroached is always found.
+    fn survey_by_searches<'a>(&self, t: &Triangulation, control: &'a Control) -> Result<InPieces<'a, Survey>, Error> {
+        let mut found = InPieces::new(Survey::default(), control);
+        for &edge in &*self.subsegments.sorted_keys(control)? {
+            control.check()?;
+            match self.state_of_segment(t, edge, control)? {
+                State::Missing => found.missing_segments.push(edge),
+                State::Encroached => found.encroached_segments.push(edge),
+                State::Clear => {}
+            }
+        }
+        for &face in &*self.subfacets.sorted_keys(control)? {
+            control.check()?;
+            match self.state_of_facet(t, face, control)? {
+                State::Missing => found.missing_facets.push(face),
+                State::Encroached => found.encroached_facets.push(face),
+                State::Clear => {}
+            }
+        }
+        Ok(found)
+    }
+
+    fn survey_by_walk<'a>(
         &self,
         t: &Triangulation,
         judge: bool,
@@ -146,31 +185,8 @@ fn without<K: Copy + Ord + Send + 'static>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::waiting::State;
-    use crate::domain::Boundary;
     use crate::samples::{prism, random_points, thin_plate};
     use crate::{DVec3, Mesh, Plc, RefineOptions};
-
-    /// As a search for each element has it.
-    fn one_by_one(boundary: &Boundary, t: &Triangulation) -> Survey {
-        let control = Control::never();
-        let mut found = Survey::default();
-        for &edge in &*boundary.subsegments.sorted_keys(control).unwrap() {
-            match boundary.state_of_segment(t, edge, control).unwrap() {
-                State::Missing => found.missing_segments.push(edge),
-                State::Encroached => found.encroached_segments.push(edge),
-                State::Clear => {}
-            }
-        }
-        for &face in &*boundary.subfacets.sorted_keys(control).unwrap() {
-            match boundary.state_of_facet(t, face, control).unwrap() {
-                State::Missing => found.missing_facets.push(face),
-                State::Encroached => found.encroached_facets.push(face),
-                State::Clear => {}
-            }
-        }
-        found
-    }
 
     #[test]
     fn one_walk_finds_what_a_search_for_each_element_does() {
@@ -188,13 +204,14 @@ mod tests {
             let options = RefineOptions { max_vertices: mesh.t.vertex_slots() + 20, ..RefineOptions::default() };
             mesh.refine(&options, &control).unwrap();
             for (boundary, t) in [(&boundary, &t), (mesh.boundary().unwrap(), &mesh.t)] {
-                let found = boundary.survey(t, true, &control).unwrap();
-                assert_eq!(*found, one_by_one(boundary, t));
+                let found = boundary.survey_by_walk(t, true, &control).unwrap();
+                assert_eq!(*found, *boundary.survey_by_searches(t, &control).unwrap());
+                assert_eq!(*found, *boundary.survey(t, true, &control).unwrap());
                 missing[0] += found.missing_segments.len();
                 missing[1] += found.missing_facets.len();
                 encroached[0] += found.encroached_segments.len();
                 encroached[1] += found.encroached_facets.len();
-                let present = boundary.survey(t, false, &control).unwrap();
+                let present = boundary.survey_by_walk(t, false, &control).unwrap();
                 assert_eq!(present.missing_segments, found.missing_segments);
                 assert_eq!(present.missing_facets, found.missing_facets);
             }
