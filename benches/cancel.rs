@@ -1,6 +1,9 @@
 //! How long calls go on after they have been cancelled from another thread: `cargo bench --bench cancel -- [POINTS...] [NAME...]`. A name is a part of what a line
 //! begins with, and leaves all others out. For each call the longest of some moments, spread over its time, by the clock and in processor time of the whole process: the latter is what counts on a machine that does other things
 //! meanwhile.
+//!
+//! With `RUSTFLAGS="--cfg wellspaced_gaps"` each call is made once instead, and all times of two milliseconds and more between two looks at the control
+//! are measured, by the clock; for the longest of those above six, where they begin and the functions at the end.
 
 use std::time::{Duration, Instant};
 
@@ -34,7 +37,7 @@ fn processor() -> Duration {
 }
 
 /// Cancels `call` after `wait`; how long it went on then, in processor time and by the clock, or `None` if it was done before.
-fn latency(wait: Duration, call: impl FnOnce(&Control)) -> Option<(Duration, Duration)> {
+fn latency<R>(wait: Duration, call: impl FnOnce(&Control) -> R) -> Option<(Duration, Duration)> {
     let control = Control::new();
     let remote = control.clone();
     let (sender, receiver) = std::sync::mpsc::channel();
@@ -44,9 +47,10 @@ fn latency(wait: Duration, call: impl FnOnce(&Control)) -> Option<(Duration, Dur
         remote.cancel();
         let _ = sender.send(at);
     });
-    call(&control);
+    let result = call(&control);
     let end = (processor(), Instant::now());
     let cancelled = receiver.try_recv().ok();
+    drop(result);
     canceller.join().unwrap();
     cancelled.map(|at| (end.0.saturating_sub(at.0), end.1.saturating_duration_since(at.1)))
 }
@@ -58,16 +62,43 @@ fn is_wanted(name: &str) -> bool {
     names.peek().is_none() || names.any(|part| name.contains(&part))
 }
 
+/// What a call does between two looks at the control.
+#[cfg(wellspaced_gaps)]
+fn gaps<R>(name: &str, call: impl FnOnce() -> R) {
+    const LONG: Duration = Duration::from_millis(6);
+    let start = Instant::now();
+    let mut result = None;
+    let gaps = wellspaced::gaps::gaps(LONG / 3, || result = Some(call()));
+    let whole = start.elapsed();
+    drop(result);
+    let longest = gaps.first().map_or(LONG / 3, |gap| gap.length);
+    let long = gaps.iter().filter(|gap| gap.length >= LONG);
+    println!("{name:<44} {whole:>8.1?} in all, longest {longest:>8.1?}, {} above {LONG:?}", long.clone().count());
+    for gap in long.take(4) {
+        let functions = gap.functions.iter().take(5);
+        let short = functions.map(|name| name.split("::h").next().unwrap_or(name).replace("wellspaced::", ""));
+        let from = gap.from.map_or(String::from("the beginning"), ToString::to_string);
+        println!("    {:>8.1?} from {from} to {}", gap.length, short.collect::<Vec<_>>().join(" < "));
+    }
+}
+
+#[cfg(not(wellspaced_gaps))]
+fn gaps<R>(_: &str, _: impl FnOnce() -> R) {}
+
 /// Measures at `moments` moments of a call that takes `whole`.
-fn measure<T>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control)) {
+/// What the call returns is not its own to give back.
+fn measure<T, R>(name: &str, moments: u32, fresh: impl Fn() -> T, call: impl Fn(&mut T, &Control) -> R) {
     if !is_wanted(name) {
         return;
     }
     let mut subject = fresh();
+    if cfg!(wellspaced_gaps) {
+        return gaps(name, || call(&mut subject, &Control::new()));
+    }
     let start = Instant::now();
-    call(&mut subject, &Control::new());
+    let result = call(&mut subject, &Control::new());
     let whole = start.elapsed();
-    drop(subject);
+    drop((result, subject));
     let (mut worst, mut clock) = ((Duration::ZERO, Duration::ZERO), Duration::ZERO);
     let mut all = Vec::new();
     for moment in 0..moments {
@@ -130,14 +161,14 @@ fn adverse() {
     });
     let torus = Plc { points: (0..side * side).map(bumpy).collect(), facets: facets.collect(), ..Plc::default() };
     let nothing = || ();
-    measure("a torus of 999698 triangles", 6, nothing, |(), control| drop(Mesh::from_plc(&torus, control)));
+    measure("a torus of 999698 triangles", 6, nothing, |(), control| Mesh::from_plc(&torus, control));
     let mesh = Mesh::from_plc(&torus, &Control::new()).unwrap();
     let fresh = || mesh.try_clone(&Control::new()).unwrap();
     let limits = RefineOptions { max_vertices: mesh.view().points.len() + 20_000, ..RefineOptions::default() };
     measure("refine the torus, begun", 12, fresh, |mesh, control| {
         mesh.refine(&limits, control).unwrap();
     });
-    measure("clone the torus", 12, nothing, |(), control| drop(mesh.try_clone(control)));
+    measure("clone the torus", 12, nothing, |(), control| mesh.try_clone(control));
     drop(mesh);
     // A plane grid and one vertex that sees all of it.
     let grid = (0..1_000_000).map(|i| DVec3::new((i % 1000) as f64, (i / 1000) as f64, 0.0));
@@ -164,7 +195,7 @@ fn boundaries(count: usize) {
         plc.points.splice(0..0, around.chain([DVec3::ZERO]));
         assert_eq!(plc.points.len() as u32, centre + 1 + corners);
         elements(&mut plc);
-        measure(&names[0], 12, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        measure(&names[0], 12, || (), |(), control| Mesh::from_plc(&plc, control));
         let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         for (name, sparsify, more) in [(&names[1], Some(Sparsify::Off), 4), (&names[2], None, 100)] {
@@ -210,7 +241,7 @@ fn boundaries(count: usize) {
         let polygons = quads.chain([(0..sides).collect(), (sides..2 * sides).collect()]);
         let facets = polygons.map(|polygon| PlcFacet { polygons: vec![polygon], ..PlcFacet::default() }).collect();
         let plc = Plc { points: (0..2 * sides).map(corner).collect(), facets, ..Plc::default() };
-        measure(&names[0], 12, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        measure(&names[0], 12, || (), |(), control| Mesh::from_plc(&plc, control));
         let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         let max_vertices = mesh.view().points.len() + 4;
@@ -224,7 +255,7 @@ fn boundaries(count: usize) {
     if names.iter().any(|name| is_wanted(name)) {
         let on_side = |p: DVec3| (4.0 * p - 2.0).with_z(-2.0);
         let plc = Plc::boxed(low, high, scattered(count / 2).into_iter().map(on_side));
-        measure(&names[0], 24, || (), |(), control| drop(Mesh::from_plc(&plc, control)));
+        measure(&names[0], 24, || (), |(), control| Mesh::from_plc(&plc, control));
         let mesh = Mesh::from_plc(&plc, &Control::new()).unwrap();
         let fresh = || mesh.try_clone(&Control::new()).unwrap();
         for (name, sparsify) in [(&names[1], None), (&names[2], Some(Sparsify::Off))] {
@@ -242,7 +273,8 @@ fn main() {
     let counts = if counts.is_empty() { vec![1_000_000, 3_000_000] } else { counts };
     for count in counts {
         let points = scattered(count);
-        for threads in [1, 2] {
+        // Looks of threads other than this one are not seen.
+        for threads in 1..if cfg!(wellspaced_gaps) { 2 } else { 3 } {
             let fresh = || {
                 let mut mesh = Mesh::new();
                 mesh.set_threads(threads);
@@ -266,18 +298,9 @@ fn main() {
             &format!("view {count}"),
             6,
             || mesh.try_clone(&Control::new()).unwrap(),
-            |mesh, control| {
-                let _ = mesh.try_view(control);
-            },
+            |mesh, control| mesh.try_view(control).is_ok(),
         );
-        measure(
-            &format!("clone {count}"),
-            6,
-            || (),
-            |(), control| {
-                let _ = mesh.try_clone(control);
-            },
-        );
+        measure(&format!("clone {count}"), 6, || (), |(), control| mesh.try_clone(control));
         let more = scattered(10_000);
         measure(
             &format!("insert 10000 more into {count}"),
@@ -300,17 +323,13 @@ fn main() {
             &format!("hull of {count} as domain"),
             6,
             || mesh.try_clone(&Control::new()).unwrap(),
-            |mesh, control| {
-                let _ = mesh.use_hull_as_domain_within(control);
-            },
+            |mesh, control| mesh.use_hull_as_domain_within(control),
         );
         measure(
             &format!("bad short edges of {count}"),
             6,
             || (),
-            |(), control| {
-                let _ = mesh.bad_short_edges_within(2.0, control);
-            },
+            |(), control| mesh.bad_short_edges_within(2.0, control),
         );
         let view = mesh.view();
         let (points, tetrahedra, neighbours) = (view.points, view.tetrahedra, view.neighbours);
@@ -320,9 +339,7 @@ fn main() {
                 &format!("a round on arrays of {count}, {} neighbours", neighbours.len()),
                 8,
                 || (),
-                |(), control| {
-                    let _ = sample_arrays(&arrays, &StepOptions::default(), control);
-                },
+                |(), control| sample_arrays(&arrays, &StepOptions::default(), control),
             );
         }
         let limits = RefineOptions { max_vertices: count + count / 20, ..RefineOptions::default() };
@@ -339,8 +356,8 @@ fn main() {
     }
     adverse();
     let flat = |p: DVec3| p.with_z(0.0);
+    let points: Vec<DVec3> = scattered(1_000_000).into_iter().map(flat).collect();
     measure("insert 1000000 in a plane", 8, Mesh::new, |mesh, control| {
-        let points: Vec<DVec3> = scattered(1_000_000).into_iter().map(flat).collect();
         mesh.insert(&points, None, control).unwrap();
     });
     let on_ellipsoid = |p: DVec3| (p * 2.0 - 1.0).normalize() * DVec3::new(0.8, 0.5, 0.35);
@@ -358,12 +375,5 @@ fn main() {
     });
     let points = scattered(1_000_000);
     let box_of = Plc::boxed(DVec3::splat(-1.0), DVec3::splat(2.0), points);
-    measure(
-        "a box with 1000000 points",
-        16,
-        || (),
-        |(), control| {
-            let _ = Mesh::from_plc(&box_of, control);
-        },
-    );
+    measure("a box with 1000000 points", 16, || (), |(), control| Mesh::from_plc(&box_of, control));
 }

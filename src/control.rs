@@ -160,7 +160,10 @@ impl Control {
     }
 
     /// Reports progress. Returns `false` when the call shall stop.
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub(crate) fn report(&self, stage: &'static str, fraction: f64, vertices: usize) -> bool {
+        #[cfg(wellspaced_gaps)]
+        crate::gaps::look();
         if let Some(callback) = &self.progress {
             if !callback(Progress { stage, fraction, vertices }) {
                 self.cancel();
@@ -177,6 +180,7 @@ impl Control {
     }
 
     /// [`poll`](Self::poll) as a result.
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub(crate) fn check(&self) -> Result<(), crate::Error> {
         if self.poll() {
             Ok(())
@@ -190,13 +194,21 @@ impl Control {
         Turns { control: self, turn: Cell::new(0), stopped: Cell::new(false) }
     }
 
+    /// For a loop whose turns may take tens of microseconds: exact arithmetic, most often.
+    pub(crate) fn slow_turns(&self) -> Turns<'_, 8> {
+        Turns { control: self, turn: Cell::new(0), stopped: Cell::new(false) }
+    }
+
     /// For work that is shared out among threads.
     pub(crate) fn watch(&self) -> Watch<'_> {
         Watch { control: self, stopped: AtomicBool::new(false) }
     }
 
     /// The cheap question of a loop's every turn.
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub(crate) fn poll(&self) -> bool {
+        #[cfg(wellspaced_gaps)]
+        crate::gaps::look();
         #[cfg(test)]
         {
             let Looks { count, last } = &self.shared.looks;
@@ -208,20 +220,21 @@ impl Control {
     }
 }
 
-/// Looks at a control in some turns of a loop. Who has once been told to stop is told so ever after: a cancellation may be taken back meanwhile, but
+/// Looks at a control in one of `EVERY` turns of a loop. Who has once been told to stop is told so ever after: a cancellation may be taken back meanwhile, but
 /// what was left out is still to be done.
-pub(crate) struct Turns<'a> {
+pub(crate) struct Turns<'a, const EVERY: u32 = 256> {
     control: &'a Control,
     turn: Cell<u32>,
     stopped: Cell<bool>,
 }
 
-impl Turns<'_> {
+impl<const EVERY: u32> Turns<'_, EVERY> {
     /// Whether to go on.
     #[inline]
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub fn go_on(&self) -> bool {
         self.turn.set(self.turn.get().wrapping_add(1));
-        if self.turn.get() % 256 == 0 && !self.control.poll() {
+        if self.turn.get() % EVERY == 0 && !self.control.poll() {
             self.stopped.set(true);
         }
         !self.stopped.get()
@@ -229,6 +242,7 @@ impl Turns<'_> {
 
     /// [`go_on`](Self::go_on) as a result.
     #[inline]
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub fn check(&self) -> Result<(), crate::Error> {
         if self.go_on() {
             Ok(())
@@ -259,6 +273,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Whether to go on.
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub fn poll(&self) -> bool {
         if !self.control.poll() {
             self.stopped.store(true, Ordering::Relaxed);
@@ -267,6 +282,7 @@ impl<'a> Watch<'a> {
     }
 
     /// [`poll`](Self::poll) as a result.
+    #[cfg_attr(wellspaced_gaps, track_caller)]
     pub fn check(&self) -> Result<(), crate::Error> {
         self.poll();
         self.end()

@@ -43,14 +43,18 @@ impl<T: Send> Leavings for Vec<T> {
     }
 }
 
+/// Allocators leave small blocks that were freed as they are, and put all of them together with their neighbours when a larger one is asked for. A
+/// million of them take tens of milliseconds: better now and then than all at once.
+pub(crate) fn join_freed_blocks() {
+    std::hint::black_box(Vec::<u8>::with_capacity(1 << 12));
+}
+
 /// As for a list of plain elements, of elements that own memory: `part` of them at a time, then the list's own.
 pub(crate) fn give_elements_back<T>(list: &mut Vec<T>, part: usize) -> bool {
     let piece = PIECE / size_of::<T>().max(1);
     if !list.is_empty() {
         list.truncate(list.len().saturating_sub(part));
-        // Allocators leave small blocks that were freed as they are, and put all of them together with their neighbours when a larger one is asked for. A
-        // million of them take tens of milliseconds: better now than then.
-        std::hint::black_box(Vec::<u8>::with_capacity(1 << 12));
+        join_freed_blocks();
     } else if list.capacity() > piece {
         list.shrink_to(list.capacity() - piece);
     } else {

@@ -23,6 +23,8 @@ mod control;
 mod distinct;
 pub mod domain;
 mod error;
+#[cfg(wellspaced_gaps)]
+pub mod gaps;
 pub mod geometry;
 pub mod host;
 mod leavings;

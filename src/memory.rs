@@ -10,6 +10,8 @@ use crate::{Control, Error};
 const BLOCK: usize = 1 << 16;
 /// Bytes copied between two looks at the control where elements are large: some tenths of a millisecond, a millisecond where the memory is new.
 pub(crate) const PIECE: usize = 1 << 20;
+/// Elements of a list that takes time to move.
+const LONG: usize = 1 << 16;
 /// Elements that one step of a refinement may add.
 pub(crate) const STEP: usize = 4096;
 
@@ -122,8 +124,17 @@ pub(crate) fn copied_queue<T: Copy + Send + 'static>(
     what: &'static str,
     control: &Control,
 ) -> Result<VecDeque<T>, Error> {
+    copied_queue_with_room(from, 0, what, control)
+}
+
+fn copied_queue_with_room<T: Copy + Send + 'static>(
+    from: &VecDeque<T>,
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<VecDeque<T>, Error> {
     let (head, tail) = from.as_slices();
-    let mut list = room_in_pieces(from.len(), what, control)?;
+    let mut list = room_in_pieces(from.len() + more, what, control)?;
     extend(&mut list, head, control)?;
     extend(&mut list, tail, control)?;
     Ok(list.keep().into())
@@ -152,11 +163,27 @@ pub(crate) fn grow_long<T: Copy + Send + 'static>(
     what: &'static str,
     control: &Control,
 ) -> Result<(), Error> {
-    const LONG: usize = 1 << 16;
     if list.len() < LONG {
         return reserve(list, more, what);
     }
     grow(list, more, what, control)
+}
+
+/// [`grow_long`], for a queue.
+pub(crate) fn grow_queue<T: Copy + Send + 'static>(
+    list: &mut VecDeque<T>,
+    more: usize,
+    what: &'static str,
+    control: &Control,
+) -> Result<(), Error> {
+    if list.len() < LONG {
+        return list.try_reserve(more).map_err(none_for(what));
+    }
+    if list.capacity() - list.len() < more {
+        let longer = copied_queue_with_room(list, more.max(list.len()), what, control)?;
+        control.give_back(std::mem::replace(list, longer));
+    }
+    Ok(())
 }
 
 /// Makes a list longer, in pieces: so many elements, the new ones of that value. When the control says stop it may have some of them.

@@ -145,17 +145,33 @@ impl<K: Copy + Eq + Hash, V> PartedMap<K, V> {
 
     /// The bytes that it has taken, about.
     pub fn bytes(&self) -> usize {
-        // A byte of control for each place.
-        self.all().map(FxHashMap::capacity).sum::<usize>() * (size_of::<(K, V)>() + 1)
+        self.all().map(bytes_of).sum()
     }
 }
 
+/// The bytes of a map's places, a power of two of which it leaves an eighth free, and a byte of control for each.
+fn bytes_of<K, V>(map: &FxHashMap<K, V>) -> usize {
+    (map.capacity() * 8 / 7).next_power_of_two() * (size_of::<(K, V)>() + 1)
+}
+
+/// Tries for the memory that copies of these maps take: where there is none, the copy itself would end the process. The largest is a part of a map: to ask for much at
+/// once and give it back makes the allocator give back to the system what it has.
+fn try_room_of<K, V>(maps: &[FxHashMap<K, V>]) -> Result<(), Error> {
+    /// The vector and the control bytes behind the last place, for each map.
+    const MORE: usize = 64;
+    let bytes = maps.iter().map(|map| bytes_of(map) + MORE).sum();
+    drop(memory::with_room::<u8>(bytes, "a map")?);
+    Ok(())
+}
+
 impl<K: Copy + Eq + Hash + Ord + Send + 'static, V: Clone + Send + 'static> PartedMap<K, V> {
-    /// A copy, unless the control says stop.
+    /// A copy, unless memory is lacking or the control says stop.
     pub fn try_clone(&self, control: &Control) -> Result<Self, Error> {
+        try_room_of(std::slice::from_ref(&self.whole))?;
         let mut copy = InPieces::new(PartedMap { whole: self.whole.clone(), parts: Vec::new() }, control);
         for parts in self.parts.chunks(PIECE) {
             control.check()?;
+            try_room_of(parts)?;
             copy.parts.extend_from_slice(parts);
         }
         Ok(copy.keep())

@@ -313,8 +313,6 @@ impl Boundary {
     /// A copy, unless memory is lacking or the control says stop.
     pub(crate) fn try_clone(&self, control: &Control) -> Result<Boundary, Error> {
         const WHAT: &str = "boundary";
-        // A first attempt, because the copy of maps ends the process when it fails.
-        drop(memory::with_room::<u8>(self.bytes(), WHAT)?);
         let mut copy = InPieces::new(Boundary::default(), control);
         copy.kinds = memory::copied(&self.kinds, WHAT, control)?;
         copy.carriers = memory::copied(&self.carriers, WHAT, control)?;

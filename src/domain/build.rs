@@ -12,13 +12,16 @@ use super::planar::{facet_normal_within, triangles_within};
 use super::plc::{Plc, PlcFacet};
 use crate::geometry::predicates::orient3d;
 use crate::geometry::Sign;
-use crate::leavings::InPieces;
+use crate::leavings::{join_freed_blocks, InPieces};
 use crate::parted::PartedMap;
 use crate::sorting::{sort, sort_unique};
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
 use crate::{memory, Control, DomainElement, Error};
 use glam::DVec3;
+
+/// Facets between two times that what their making has freed is put together.
+const PART: usize = 1 << 10;
 
 fn invalid(element: DomainElement, problem: impl Into<String>) -> Error {
     Error::InvalidDomain { element, problem: problem.into() }
@@ -55,6 +58,9 @@ impl Boundary {
         let spokes = boundary.spokes(control)?;
         for index in 0..plc.facets.len() {
             control.check()?;
+            if index % PART == 0 {
+                join_freed_blocks();
+            }
             let outline = boundary.outline((plc, parts, ids), index, &spokes, control)?;
             boundary.add_facet(t, index, &plc.facets[index], outline, control)?;
         }
@@ -227,7 +233,8 @@ impl Boundary {
                 }
             }
         }
-        others.retain(|edge| sides.binary_search(edge).is_err());
+        others.retain(|edge| turns.go_on() && sides.binary_search(edge).is_err());
+        turns.end()?;
         sort(&mut others, &watch)?;
         Ok(Outline { vertices, sides, others })
     }

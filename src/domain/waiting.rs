@@ -11,7 +11,7 @@ use super::survey::Survey;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::triangulation::topology::{slot_of, tet_of, GHOST};
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error};
+use crate::{memory, Control, DVec3, Error};
 
 /// Elements that are encroached before the refinement begins are split down to this part of their shortest side, where they meet others acutely.
 const FIRST_SPLITS: f64 = 0.125;
@@ -38,12 +38,14 @@ impl Boundary {
     /// Queues what of these elements still exists and can be split as demanded; some of it, when the control says stop.
     pub(crate) fn enqueue(&mut self, found: &Encroached, demand: Demand, control: &Control) -> Result<(), Error> {
         let turns = control.turns();
+        memory::grow_queue(&mut self.pending_segments, found.segments.len(), "boundary", control)?;
         for &s in &found.segments {
             turns.check()?;
             if self.waits_segment(s, demand) {
                 self.pending_segments.push_back((s, demand));
             }
         }
+        memory::grow_queue(&mut self.pending_facets, found.facets.len(), "boundary", control)?;
         for &f in &found.facets {
             turns.check()?;
             if self.waits_facet(f, demand) {

@@ -278,7 +278,7 @@ impl Mesh {
             measured: true,
             ..self.unmeasured(status)
         };
-        let turns = control.turns();
+        let turns = control.slow_turns();
         let mut extremes = Extremes::default();
         for (four, count) in in_fours(self.inside()) {
             turns.check()?;

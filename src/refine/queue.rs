@@ -65,6 +65,8 @@ pub struct Queue {
     current: u32,
     /// What has come since and belongs into that bucket or an earlier one.
     late: BinaryHeap<Reverse<Entry>>,
+    /// What of that became too long for a heap, in lists like `near`: to move a long one takes long.
+    crowds: Vec<Vec<Reverse<Entry>>>,
     /// The entries of later buckets.
     waiting: Buckets,
     count: usize,
@@ -82,8 +84,9 @@ impl Leavings for Queue {
             return true;
         }
         let mut rest = Each(std::mem::take(&mut self.waiting.lists));
-        let more = rest.give_back();
-        self.waiting.lists = rest.0;
+        let mut crowds = Each(std::mem::take(&mut self.crowds));
+        let more = rest.give_back() || crowds.give_back();
+        (self.waiting.lists, self.crowds) = (rest.0, crowds.0);
         more || self.near.give_back() || {
             let mut late = std::mem::take(&mut self.late).into_vec();
             let more = late.give_back();
@@ -216,10 +219,12 @@ impl Buckets {
 }
 
 /// Places that are judged between two looks at the control.
-const PART: usize = 1 << 12;
+const PART: usize = 1 << 8;
 
 /// A list of what waits that is full is not made longer from this length on.
 const LONG: usize = if cfg!(test) { 16 } else { 1 << 16 };
+/// The heap has fewer than that.
+const CROWD: usize = if cfg!(test) { 24 } else { 1 << 16 };
 /// The heap has at most so many entries of several buckets.
 const LATE: usize = if cfg!(test) { 16 } else { 1 << 12 };
 /// Entries that are made ready while one is mended.
@@ -259,12 +264,19 @@ impl Queue {
             self.late.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "bad tetrahedra" })?;
         }
         self.late.push(Reverse(Entry::new(t, tet, shortest)));
+        if self.late.len() >= CROWD {
+            memory::reserve(&mut self.crowds, 1, "bad tetrahedra")?;
+            let mut crowd = std::mem::take(&mut self.late).into_vec();
+            crowd.sort_unstable();
+            self.crowds.push(crowd);
+        }
         Ok(())
     }
 
     /// The bytes that it has taken, about.
     pub fn bytes(&self) -> usize {
-        (self.near.capacity() + self.late.capacity()) * size_of::<Entry>() + self.waiting.bytes
+        let crowds = self.crowds.iter().map(Vec::capacity).sum::<usize>();
+        (self.near.capacity() + self.late.capacity() + crowds) * size_of::<Entry>() + self.waiting.bytes
     }
 
     /// The next tetrahedron; [`Error::Cancelled`], and nothing is lost, when the control says stop. `judge` is asked about places, whatever is there now: it leaves
@@ -278,14 +290,10 @@ impl Queue {
         let turns = control.turns();
         loop {
             turns.check()?;
-            if self.late.len() > LATE {
+            if self.late.len() > LATE || !self.crowds.is_empty() {
                 self.turn_back(t, control)?;
             }
-            let is_late = match (self.late.peek(), self.near.last()) {
-                (Some(late), Some(near)) => late > near,
-                (late, _) => late.is_some(),
-            };
-            let next = if is_late { self.late.pop() } else { self.near.pop() };
+            let next = self.next();
             let Some(Reverse(entry)) = next else {
                 let Some(first) = self.waiting.first_filled() else { return Ok(None) };
                 self.turn_to(first, t, control, &mut judge)?;
@@ -297,6 +305,35 @@ impl Queue {
                 return Ok(Some(entry.t));
             }
         }
+    }
+
+    /// Takes the first entry out.
+    #[inline(always)]
+    fn next(&mut self) -> Option<Reverse<Entry>> {
+        if !self.crowds.is_empty() {
+            return self.next_of_crowds();
+        }
+        let is_late = match (self.late.peek(), self.near.last()) {
+            (Some(late), Some(near)) => late > near,
+            (late, _) => late.is_some(),
+        };
+        if is_late {
+            self.late.pop()
+        } else {
+            self.near.pop()
+        }
+    }
+
+    #[cold]
+    fn next_of_crowds(&mut self) -> Option<Reverse<Entry>> {
+        let lists = std::iter::once(&mut self.near).chain(&mut self.crowds);
+        let first = lists.max_by_key(|list| list.last().copied());
+        if self.late.peek() > first.as_ref().and_then(|list| list.last()) {
+            return self.late.pop();
+        }
+        let next = first.and_then(Vec::pop);
+        self.crowds.retain(|crowd| !crowd.is_empty());
+        next
     }
 
     /// Asks for what will be looked at first when the next ones come, while there is time.
@@ -313,9 +350,9 @@ impl Queue {
     /// Makes the first bucket of the heap the current one, if it is an earlier one; what is longer waits again. When the control says stop, some of that is
     /// where it was.
     fn turn_back(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        let Queue { near, current, late, waiting, count, .. } = self;
-        let Some(first) = late.peek().map(|Reverse(first)| bucket(first.shortest)).filter(|first| first < current)
-        else {
+        let Queue { near, current, late, crowds, waiting, count, .. } = self;
+        let earliest = crowds.iter().filter_map(|crowd| crowd.last()).chain(late.peek()).max();
+        let Some(first) = earliest.map(|Reverse(first)| bucket(first.shortest)).filter(|first| first < current) else {
             return Ok(());
         };
         let turns = control.turns();
@@ -334,15 +371,18 @@ impl Queue {
             wait(entry)?;
             near.pop();
         }
-        let (mut entries, mut result) = (std::mem::take(late).into_vec(), Ok(()));
-        entries.retain(|&Reverse(entry)| {
-            if result.is_ok() && bucket(entry.shortest) > first {
-                result = wait(entry);
-                return result.is_err();
-            }
-            true
-        });
-        *late = entries.into();
+        let (mut heap, mut result) = (std::mem::take(late).into_vec(), Ok(()));
+        for entries in std::iter::once(&mut heap).chain(&mut *crowds) {
+            entries.retain(|&Reverse(entry)| {
+                if result.is_ok() && bucket(entry.shortest) > first {
+                    result = wait(entry);
+                    return result.is_err();
+                }
+                true
+            });
+        }
+        *late = heap.into();
+        crowds.retain(|crowd| !crowd.is_empty());
         result
     }
 

@@ -254,8 +254,10 @@ impl<'a> Refiner<'a> {
 
     /// Queues all that there is to do.
     fn begin(&mut self, control: &Control) -> Result<(), Error> {
-        /// Places looked at between two looks at the control.
-        const BLOCK: usize = 1 << 13;
+        /// Places that are looked at between two looks at the control, which may take exact arithmetic.
+        const PART: usize = 1 << 8;
+        /// Places whose tetrahedra's sizes are asked for at once.
+        const BLOCK: usize = 1 << 12;
         self.cavity.reserve(self.t.topology.tets.capacity(), self.t.vertex_slots() + 1, control)?;
         self.hole.grow_for(self.t, control)?;
         if let Some(sparsifier) = &mut self.sparsifier {
@@ -271,22 +273,22 @@ impl<'a> Refiner<'a> {
             }
         }
         let end = self.t.topology.tets.len();
-        for first in (0..end).step_by(BLOCK) {
+        for first in (0..end).step_by(PART) {
             control.check()?;
             let t = &*self.t;
             let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
-            watch(t, &mut self.queue, self.radius_edge, (first as u32..end.min(first + BLOCK) as u32).filter(finite))?;
+            watch(t, &mut self.queue, self.radius_edge, (first as u32..end.min(first + PART) as u32).filter(finite))?;
         }
         if self.sizes.is_none() {
             return Ok(());
         }
-        let mut some = Vec::with_capacity(BLOCK / 2);
-        for first in (0..end).step_by(BLOCK / 2) {
+        let mut some = Vec::with_capacity(BLOCK);
+        for first in (0..end).step_by(BLOCK) {
             control.check()?;
             let t = &*self.t;
             let finite = |&tet: &u32| t.topology.tet(tet).is_live() && !t.topology.tet(tet).is_ghost();
             some.clear();
-            some.extend((first as u32..end.min(first + BLOCK / 2) as u32).filter(finite));
+            some.extend((first as u32..end.min(first + BLOCK) as u32).filter(finite));
             self.watch_size(&some)?;
         }
         Ok(())

@@ -10,8 +10,8 @@ use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
 use crate::Error;
 
-/// Tetrahedra between two looks at the control.
-const PART: usize = if cfg!(test) { 64 } else { 1 << 11 };
+/// Tetrahedra between two looks at the control: each may take tens of microseconds of exact arithmetic.
+const PART: usize = 1 << 6;
 
 impl Refiner<'_> {
     /// As a refinement with this control does.

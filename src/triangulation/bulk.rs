@@ -67,7 +67,7 @@ impl Triangulation {
         let (order, mut rounds) = (InPieces::new(order, control), InPieces::new(Each(rounds), control));
         memory::grow(&mut self.points, points.len(), "points", control)?;
         // Seven for each point, and what divided places leave unused.
-        memory::reserve(&mut self.topology.tets, points.len() / 2 * 15, "tetrahedra")?;
+        memory::grow(&mut self.topology.tets, points.len() / 2 * 15, "tetrahedra", control)?;
         debug_assert_eq!(order.len(), points.len());
         for part in points.chunks(PART) {
             control.check()?;

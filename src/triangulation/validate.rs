@@ -115,7 +115,11 @@ impl Triangulation {
                 edges += i64::from(topology.around_edge(t, i, j).all(|(other, _, _)| other >= t));
             }
         }
+        let last = (topology.tets.len() / BLOCK * BLOCK) as u32;
         for (v, &t) in topology.vertex_tet.iter().enumerate() {
+            if v % BLOCK == 0 && !go_on(last) {
+                return Ok(false);
+            }
             let belongs = t != NONE && topology.tets.get(t as usize).is_some_and(|tet| tet.slot(v as u32).is_some());
             let expected = self.dimension() == 3 && self.is_vertex(v as u32);
             if belongs != expected || (t != NONE) != expected {

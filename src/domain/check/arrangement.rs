@@ -72,12 +72,15 @@ impl Arrangement {
         let mut new = InPieces::new(Arrangement::default(), control);
         new.points = memory::copied(&plc.points, "points", control)?;
         new.merge_points(defects, control)?;
-        // Most facets are triangles.
+        // Most facets are triangles, and most sides those of two polygons.
         memory::reserve(&mut new.triangles, plc.facets.len(), "facets")?;
-        memory::reserve(&mut new.sides, plc.segments.len() + plc.facets.len() + plc.facets.len() / 2, "sides")?;
+        let turns = control.turns();
+        let polygons = plc.facets.iter().take_while(|_| turns.go_on()).flat_map(|facet| &facet.polygons);
+        let corners = polygons.take_while(|_| turns.go_on()).map(Vec::len).sum::<usize>();
+        turns.end()?;
+        memory::reserve(&mut new.sides, plc.segments.len() + corners.div_ceil(2), "sides")?;
         memory::reserve_exact(&mut new.corners, plc.facets.len(), "facets")?;
         memory::reserve_exact(&mut new.inside, plc.facets.len(), "facets")?;
-        let turns = control.turns();
         for _ in &plc.facets {
             turns.check()?;
             new.corners.push(Vec::new());
@@ -215,7 +218,10 @@ impl Arrangement {
         }
         let axis = dominant_axis(normal);
         match triangles_within(&self.points, &vertices, (&sides, &[]), axis, &facet.holes, control)? {
-            Ok(triangles) => self.triangles.extend(triangles.into_iter().map(|t| (t, index as u32))),
+            Ok(triangles) => {
+                memory::grow_long(&mut self.triangles, triangles.len(), "facets", control)?;
+                self.triangles.extend(triangles.into_iter().map(|t| (t, index as u32)));
+            }
             Err(PlanarDefect::Range(v) | PlanarDefect::Crossing([v, _]) | PlanarDefect::SamePlace(v, _)) => {
                 defects.push(PlcDefect::new(PlcDefectKind::CrossingSides, [element], place(v)));
                 return Ok(());
