@@ -74,22 +74,13 @@ impl Boundary {
     /// What is encroached is always found.
     fn survey_by_searches<'a>(&self, t: &Triangulation, control: &'a Control) -> Result<InPieces<'a, Survey>, Error> {
         let mut found = InPieces::new(Survey::default(), control);
-        for &edge in &*self.subsegments.sorted_keys(control)? {
-            control.check()?;
-            match self.state_of_segment(t, edge, control)? {
-                State::Missing => found.missing_segments.push(edge),
-                State::Encroached => found.encroached_segments.push(edge),
-                State::Clear => {}
-            }
-        }
-        for &face in &*self.subfacets.sorted_keys(control)? {
-            control.check()?;
-            match self.state_of_facet(t, face, control)? {
-                State::Missing => found.missing_facets.push(face),
-                State::Encroached => found.encroached_facets.push(face),
-                State::Clear => {}
-            }
-        }
+        let Survey { missing_segments, missing_facets, encroached_segments, encroached_facets } = &mut *found;
+        let edges = self.subsegments.sorted_keys(control)?;
+        let state_of = |edge| self.state_of_segment(t, edge, control);
+        part_by_state(&edges, state_of, (missing_segments, encroached_segments), control)?;
+        let faces = self.subfacets.sorted_keys(control)?;
+        let state_of = |face| self.state_of_facet(t, face, control);
+        part_by_state(&faces, state_of, (missing_facets, encroached_facets), control)?;
         Ok(found)
     }
 
@@ -163,6 +154,24 @@ impl Boundary {
         }
         Ok(found)
     }
+}
+
+/// Puts the keys of elements that are missing, and of those that are encroached, behind two lists.
+fn part_by_state<K: Copy>(
+    keys: &[K],
+    state_of: impl Fn(K) -> Result<State, Error>,
+    (missing, encroached): (&mut Vec<K>, &mut Vec<K>),
+    control: &Control,
+) -> Result<(), Error> {
+    for &key in keys {
+        control.check()?;
+        match state_of(key)? {
+            State::Missing => missing.push(key),
+            State::Encroached => encroached.push(key),
+            State::Clear => {}
+        }
+    }
+    Ok(())
 }
 
 /// Those of some keys that are not among others; both are in order.
