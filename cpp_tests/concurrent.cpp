@@ -1,5 +1,5 @@
 // Handles on several threads at once, as the header allows: distinct handles, readers of one handle, a control that another thread cancels, the threads of one
-// bulk insertion. For thread checkers.
+// bulk insertion and of one pass over Steiner points. For thread checkers.
 //
 //   concurrent [POINTS]
 #include <atomic>
@@ -92,6 +92,12 @@ int main(int argc, char** argv) {
     const auto cloud = scattered(many, 4);
     t = triangulation(2);
     require(wsp_triangulation_insert(t, cloud.data(), many, nullptr, nullptr) == WSP_DONE, "insert many");
+    wsp_triangulation_free(t);
+
+    t = triangulation(2);
+    require(wsp_triangulation_insert(t, points.data(), count / 8, nullptr, nullptr) == WSP_DONE, "insert");
+    require(wsp_refine(t, nullptr, nullptr, nullptr) >= 0, "refine");
+    require(wsp_sparsify_mesh(t, 2.0, WSP_SPARSIFY_QUICK, nullptr, nullptr) >= 0, "sparsify");
     wsp_triangulation_free(t);
     std::printf("%d faults\n", faults.load());
     return faults != 0;

@@ -521,9 +521,9 @@ typedef struct wsp_triangulation_options {
      */
     uint32_t flags;
     /**
-     * How many threads an insertion of many points may use, the caller's among them: 0 for as many as there are
-     * processors, else up to 1024. Default: 1. The result is the same in every byte. Callbacks run on the caller's
-     * thread only.
+     * How many threads an insertion of many points, and the pass over Steiner points after a refinement or in wsp_sparsify_mesh,
+     * may use, the caller's among them: 0 for as many as there are processors, else up to 1024. Default: 1. The result
+     * is the same in every byte. Callbacks run on the caller's thread only.
      */
     uint32_t threads;
 } wsp_triangulation_options;

@@ -37,6 +37,7 @@ pub mod sampler;
 mod samples;
 mod sorting;
 pub mod sparsify;
+mod threads;
 pub mod triangulation;
 
 pub use control::{Control, LogLevel, Progress};

@@ -67,8 +67,8 @@ impl Mesh {
         Self::default()
     }
 
-    /// How many threads an insertion of many points may use: 1 by default, 0 for as many as there are processors. The result is the
-    /// same in every byte.
+    /// How many threads an insertion of many points, and the pass over Steiner points ([`Sparsify`](crate::Sparsify)), may use: 1 by default, 0 for as many as
+    /// there are processors. The result is the same in every byte.
     pub fn set_threads(&mut self, threads: usize) {
         self.t.set_threads(threads);
     }

@@ -372,7 +372,7 @@ public:
         check(wsp_triangulation_new(nullptr, &made));
         handle_.reset(made);
     }
-    // Insertions of many points may use so many threads, 0 for as many as there are processors.
+    // Insertions of many points and passes over Steiner points may use so many threads, 0 for as many as there are processors.
     static triangulation with_threads(std::uint32_t threads) {
         wsp_triangulation_options options;
         check(wsp_triangulation_options_init(&options, sizeof options));

@@ -29,7 +29,8 @@ impl Sparsifier {
         let replacement = Replacement { remove: &found.remove, add: add.map(|(_, p, _)| p) };
         let named = |v: u32| if v == ADDED { new } else { v };
         let is_wall = |face: [u32; 3]| boundary.wall(face.map(named)).is_some();
-        let seen = if found.guess && t.certify(&replacement, &self.pair.guess, &is_wall, &mut self.hole) {
+        let certified = |guess| t.certify(&replacement, guess, &is_wall, &mut self.hole);
+        let seen = if found.guess.as_ref().is_some_and(certified) {
             Ok(())
         } else {
             t.preview(&replacement, &is_wall, &mut self.hole)
@@ -87,7 +88,7 @@ impl Sparsifier {
         }
         in_fours((0..coming.len() as u32).filter(counts)).all(|(four, count)| {
             let tets = four.map(|i| coming[i as usize].v);
-            let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|v| v.map(at)), self.radius_edge);
+            let (exceed, shortest) = four_exceed_radius_edge(&tets.map(|v| v.map(at)), self.searcher.scope.radius_edge);
             tets.into_iter().enumerate().take(count).all(|(i, v)| {
                 if exceed >> i & 1 == 0 {
                     return true;

@@ -5,6 +5,7 @@
 //! | `forecast` | what a replacement would create, foreseen in floating point |
 //! | `search` | which vertices to replace, and the place of the one that comes |
 //! | `change` | the replacement looked at exactly, then made or dropped |
+//! | `pass` | all Steiner points, on several threads |
 //!
 //! It works twice, or, at the level of [`Moves`](Sparsify::Moves), only the first time: then nothing is taken away from what stands, the rule only decides at the
 //! insertion of a sample that a point moves in its stead. *While refining*, before a sample is inserted, a vertex near it is looked for that can be moved to where it stands for both.
@@ -28,21 +29,19 @@
 
 pub(crate) mod change;
 pub(crate) mod forecast;
+mod pass;
 pub(crate) mod search;
-
-use std::collections::VecDeque;
 
 use crate::domain::Boundary;
 use crate::geometry::encroachment::{encroaches_facet, encroaches_segment};
 use crate::geometry::flush_tiny;
-use crate::refine::limits::Limits;
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::Hole;
 use crate::triangulation::topology::GHOST;
 use crate::triangulation::Triangulation;
-use crate::{Control, DVec3, Error, RefineStatus};
-use forecast::{Demand, Forecast};
-use search::Partners;
+use crate::{Control, DVec3, Error};
+use forecast::Demand;
+use search::{Partners, Searcher};
 
 /// How hard to try to do with fewer Steiner points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,26 +176,43 @@ pub(crate) struct Sample<'a> {
     pub clearance: f64,
 }
 
-/// The pass and its memory.
-#[derive(Debug, Default)]
-pub(crate) struct Sparsifier {
+/// What is to be done without, and how hard that is tried.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scope {
     effort: Effort,
-    /// Whether there is a last pass.
-    pass: bool,
     radius_edge: f64,
-    min_edge: f64,
     /// Vertices below are the caller's.
     first: u32,
-    alone: Forecast,
-    pair: Forecast,
+}
+
+impl Scope {
+    /// Whether a vertex may be taken away: a Steiner point, but none on a boundary that is to be kept.
+    fn may_go(&self, t: &Triangulation, boundary: &Boundary, v: u32) -> bool {
+        v != GHOST && v >= self.first && t.is_vertex(v) && !(boundary.kept && boundary.kind(v) != 0)
+    }
+
+    fn demand(&self, level: f64) -> Demand {
+        Demand { bound2: self.radius_edge * self.radius_edge, level2: level * level }
+    }
+
+    /// How far a partner may be while refining.
+    fn reach(&self, demand: Demand) -> f64 {
+        self.effort.reach * self.radius_edge * demand.level2.sqrt()
+    }
+}
+
+/// The sparsifier and its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Sparsifier {
+    searcher: Searcher,
+    /// Whether there is a last pass.
+    pass: bool,
+    min_edge: f64,
     pub hole: Hole,
     /// The vertex that the last replacement added.
     newest: u32,
-    near: Vec<search::Candidate>,
     /// How merges after samples, and after splits, have come out.
     odds: [Odds; 2],
-    /// And, in the last pass, pairs of vertices that are both on the boundary.
-    pass_odds: Odds,
     /// Vertices taken away and not replaced.
     pub removed: usize,
     /// Vertices that came in the place of two.
@@ -206,14 +222,8 @@ pub(crate) struct Sparsifier {
 impl Sparsifier {
     /// For Steiner points from id `first` on.
     pub fn new(level: Sparsify, radius_edge: f64, min_edge: f64, first: u32) -> Sparsifier {
-        Sparsifier {
-            effort: Effort::of(level),
-            pass: level.has_pass(),
-            radius_edge,
-            min_edge,
-            first,
-            ..Sparsifier::default()
-        }
+        let searcher = Searcher::new(Scope { effort: Effort::of(level), radius_edge, first });
+        Sparsifier { searcher, pass: level.has_pass(), min_edge, ..Sparsifier::default() }
     }
 
     /// Whether a last pass follows the refinement.
@@ -223,16 +233,7 @@ impl Sparsifier {
 
     /// Lets the last pass begin with all Steiner points.
     pub fn begin_with_all(&mut self) {
-        self.effort.all = true;
-    }
-
-    /// Whether a vertex may be taken away: a Steiner point, but none on a boundary that is to be kept.
-    fn may_go(&self, t: &Triangulation, boundary: &Boundary, v: u32) -> bool {
-        v != GHOST && v >= self.first && t.is_vertex(v) && !(boundary.kept && boundary.kind(v) != 0)
-    }
-
-    fn demand(&self, level: f64) -> Demand {
-        Demand { bound2: self.radius_edge * self.radius_edge, level2: level * level }
+        self.searcher.scope.effort.all = true;
     }
 
     /// Tries to do without a sample while an edge of length `edge` is being mended: instead of it a vertex is moved. Returns whether it did, and adds
@@ -249,15 +250,15 @@ impl Sparsifier {
         if sample.clearance <= LEAD * edge || self.removed + self.replaced >= budget {
             return Ok(false);
         }
-        let demand = self.demand(LEAD * edge);
-        let Some(found) = self.search_instead(t, boundary, sample, demand) else { return Ok(false) };
+        let demand = self.searcher.scope.demand(LEAD * edge);
+        let Some(found) = self.searcher.search_instead(t, boundary, sample, demand) else { return Ok(false) };
         if !self.make(t, boundary, &found, demand)? {
             return Ok(false);
         }
         created.extend_from_slice(&self.hole.created);
         // What has come may stand for another neighbour, too.
-        for _ in 0..self.effort.cascade {
-            let Some(found) = self.search(t, boundary, self.newest, Partners::Free, demand) else { break };
+        for _ in 0..self.searcher.scope.effort.cascade {
+            let Some(found) = self.searcher.search(t, boundary, self.newest, Partners::Free, demand) else { break };
             if !self.make(t, boundary, &found, demand)? {
                 break;
             }
@@ -271,7 +272,8 @@ impl Sparsifier {
 
     /// Whether the second of two neighbours is near enough to be the first one's partner while an edge of length `edge` is being mended.
     pub fn may_merge(&self, t: &Triangulation, boundary: &Boundary, [v, w]: [u32; 2], edge: f64) -> bool {
-        self.may_go(t, boundary, w) && t.at(v).distance(t.at(w)) <= self.reach(self.demand(LEAD * edge))
+        let scope = self.searcher.scope;
+        scope.may_go(t, boundary, w) && t.at(v).distance(t.at(w)) <= scope.reach(scope.demand(LEAD * edge))
     }
 
     /// Tries to put one vertex in the place of the new one `v` and a neighbour, at least one of them on the boundary, while an edge of length `edge` is being
@@ -288,9 +290,9 @@ impl Sparsifier {
         if self.removed + self.replaced >= CHANGES * t.vertex_slots() || !self.odds[odds].are_good() {
             return Ok(false);
         }
-        let demand = self.demand(LEAD * edge);
+        let demand = self.searcher.scope.demand(LEAD * edge);
         let partners = if split.is_some() { Partners::All } else { Partners::OnBoundary };
-        let Some(found) = self.search(t, boundary, v, partners, demand) else { return Ok(false) };
+        let Some(found) = self.searcher.search(t, boundary, v, partners, demand) else { return Ok(false) };
         let Some((place, _)) = found.add else { return Ok(false) };
         let place = flush_tiny(place);
         let splits = match *split.unwrap_or_default() {
@@ -308,70 +310,13 @@ impl Sparsifier {
 
     /// Makes its lists as long as the triangulation has room, in pieces.
     pub fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
-        self.alone.grow_for(t, control)?;
-        self.pair.grow_for(t, control)?;
+        self.searcher.grow_for(t, control)?;
         self.hole.grow_for_additions(t, control)
     }
 
     /// Gives its memory back.
     pub fn give_back(self, control: &Control) {
         control.give_back(self.hole);
-    }
-
-    /// The pass over all Steiner points. Says what stopped it, if it could not finish; the mesh is valid then too.
-    pub fn run(
-        &mut self,
-        t: &mut Triangulation,
-        boundary: &mut Boundary,
-        control: &Control,
-        limits: &mut Limits,
-    ) -> Result<Option<RefineStatus>, Error> {
-        let mut queue = Queue::default();
-        let turns = control.turns();
-        for v in self.first..t.vertex_slots() as u32 {
-            if !turns.go_on() {
-                return Ok(Some(RefineStatus::Cancelled));
-            }
-            if self.may_go(t, boundary, v) && (self.effort.all || boundary.kind(v) != 0) {
-                queue.push(v);
-            }
-        }
-        boundary.relaxed = true;
-        let all = queue.waiting.len().max(1);
-        let demand = self.demand(f64::INFINITY);
-        let (mut turns, mut fraction) = (0usize, 0.0f64);
-        while let Some(v) = queue.pop() {
-            fraction = fraction.max(1.0 - queue.waiting.len() as f64 / all as f64);
-            let go_on =
-                if turns % 64 == 0 { control.report("sparsify", fraction, t.vertex_count()) } else { control.poll() };
-            if !go_on {
-                return Ok(Some(RefineStatus::Cancelled));
-            }
-            if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
-                return Ok(Some(status));
-            }
-            turns += 1;
-            if t.lacks_room_ahead() {
-                match t.make_room_ahead(control).and_then(|()| self.grow_for(t, control)) {
-                    Err(Error::Cancelled) => return Ok(Some(RefineStatus::Cancelled)),
-                    other => other?,
-                }
-            }
-            if !self.may_go(t, boundary, v) {
-                continue;
-            }
-            let Some(found) = self.search(t, boundary, v, Partners::All, demand) else { continue };
-            if self.make(t, boundary, &found, demand)? {
-                for &tet in &self.hole.created {
-                    for w in t.topology.tet(tet).v {
-                        if self.may_go(t, boundary, w) {
-                            queue.push(w);
-                        }
-                    }
-                }
-            }
-        }
-        Ok(None)
     }
 }
 
@@ -396,29 +341,15 @@ impl Odds {
         self.tried += usize::from(worth);
         worth
     }
-}
 
-/// Vertices to be tried, each once at a time, first come first served.
-#[derive(Debug, Default)]
-struct Queue {
-    waiting: VecDeque<u32>,
-    is_waiting: Vec<bool>,
-}
-
-impl Queue {
-    fn push(&mut self, v: u32) {
-        if self.is_waiting.len() <= v as usize {
-            self.is_waiting.resize(v as usize + 1, false);
-        }
-        if !std::mem::replace(&mut self.is_waiting[v as usize], true) {
-            self.waiting.push_back(v);
-        }
+    /// What has come since.
+    fn since(self, before: Odds) -> Odds {
+        Odds { turns: self.turns - before.turns, tried: self.tried - before.tried, made: self.made - before.made }
     }
 
-    fn pop(&mut self) -> Option<u32> {
-        let v = self.waiting.pop_front()?;
-        self.is_waiting[v as usize] = false;
-        Some(v)
+    /// With what has come elsewhere.
+    fn and(self, more: Odds) -> Odds {
+        Odds { turns: self.turns + more.turns, tried: self.tried + more.tried, made: self.made + more.made }
     }
 }
 

@@ -15,11 +15,12 @@
 //! that segment or facet.
 
 use super::forecast::{Forecast, Space};
-use super::{Demand, Effort, Sample, Sparsifier};
+use super::{Demand, Effort, Odds, Sample, Scope};
 use crate::domain::{Boundary, Carrier, Unsplit};
 use crate::geometry::flush_tiny;
+use crate::triangulation::remove::Guess;
 use crate::triangulation::Triangulation;
-use crate::DVec3;
+use crate::{Control, DVec3, Error};
 
 /// A replacement that looks good.
 #[derive(Clone, Debug)]
@@ -30,8 +31,8 @@ pub struct Found {
     pub add: Option<(DVec3, Carrier)>,
     /// What becomes of the boundary without the vertices.
     pub plan: Unsplit,
-    /// Whether `pair` has said in full what goes and what comes.
-    pub guess: bool,
+    /// What goes and what comes in full, if it has been foreseen.
+    pub guess: Option<Guess>,
 }
 
 /// Which vertices may be partners.
@@ -51,7 +52,7 @@ impl Partners {
 
 /// A vertex that may be the partner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+struct Candidate {
     v: u32,
     distance: f64,
     /// To its nearest neighbour within the hole of what the partner is for.
@@ -76,9 +77,30 @@ impl Subject {
     }
 }
 
-impl Sparsifier {
+/// What searches, and its memory.
+#[derive(Debug, Default)]
+pub(super) struct Searcher {
+    pub scope: Scope,
+    alone: Forecast,
+    pair: Forecast,
+    near: Vec<Candidate>,
+    /// How pairs of vertices that are both on the boundary have come out in the last pass.
+    pub pass_odds: Odds,
+}
+
+impl Searcher {
+    pub fn new(scope: Scope) -> Searcher {
+        Searcher { scope, ..Searcher::default() }
+    }
+
+    /// Makes its lists as long as the triangulation has room, in pieces.
+    pub fn grow_for(&mut self, t: &Triangulation, control: &Control) -> Result<(), Error> {
+        self.alone.grow_for(t, control)?;
+        self.pair.grow_for(t, control)
+    }
+
     /// Looks for something to do at `v`.
-    pub(super) fn search(
+    pub fn search(
         &mut self,
         t: &Triangulation,
         boundary: &Boundary,
@@ -87,13 +109,13 @@ impl Sparsifier {
         demand: Demand,
     ) -> Option<Found> {
         let while_refining = demand.level2.is_finite();
-        if !self.may_go(t, boundary, v) || !self.alone.open(t, &[v]) {
+        if !self.scope.may_go(t, boundary, v) || !self.alone.open(t, &[v]) {
             return None;
         }
         let limit = if while_refining {
-            self.reach(demand)
+            self.scope.reach(demand)
         } else {
-            2.0 * self.effort.reach * self.radius_edge * spacing(t, self.alone.going(), v)
+            2.0 * self.scope.effort.reach * self.scope.radius_edge * spacing(t, self.alone.going(), v)
         };
         self.near.clear();
         for i in 0..self.alone.going().len() {
@@ -108,18 +130,18 @@ impl Sparsifier {
             return None;
         }
         let plan = boundary.without(t, &[v], self.alone.stars())?;
-        let most = if while_refining { self.effort.alone } else { self.effort.obstacles };
+        let most = if while_refining { self.scope.effort.alone } else { self.scope.effort.obstacles };
         if !self.alone.fill(t, boundary, &[v], &plan, demand, most) {
             return None;
         }
         if self.alone.obstacles.is_empty() {
-            return Some(Found { remove: vec![v], add: None, plan, guess: false });
+            return Some(Found { remove: vec![v], add: None, plan, guess: None });
         }
         self.find_partner(t, boundary, Subject::Vertex(v), demand)
     }
 
     /// Looks for a vertex that can be moved so that it does what the sample would do.
-    pub(super) fn search_instead(
+    pub fn search_instead(
         &mut self,
         t: &Triangulation,
         boundary: &Boundary,
@@ -129,20 +151,15 @@ impl Sparsifier {
         if Forecast::is_too_large(cavity) {
             return None;
         }
-        let limit = self.reach(demand);
+        let limit = self.scope.reach(demand);
         self.near.clear();
         for &near in rim {
             self.consider(t, boundary, near, limit, Partners::Free);
         }
-        if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.effort.alone) {
+        if self.near.is_empty() || !self.alone.take_cavity(t, boundary, (p, cavity), demand, self.scope.effort.alone) {
             return None;
         }
         self.find_partner(t, boundary, Subject::Sample(p), demand)
-    }
-
-    /// How far a partner may be while refining.
-    pub(super) fn reach(&self, demand: Demand) -> f64 {
-        self.effort.reach * self.radius_edge * demand.level2.sqrt()
     }
 
     /// Puts a vertex at this squared distance among the neighbours that are worth a try if it is, once.
@@ -155,7 +172,7 @@ impl Sparsifier {
         partners: Partners,
     ) {
         if distance2 <= limit * limit
-            && self.may_go(t, boundary, w)
+            && self.scope.may_go(t, boundary, w)
             && partners.contain(boundary.kind(w) == 0)
             && !self.near.iter().any(|n| n.v == w)
         {
@@ -172,13 +189,13 @@ impl Sparsifier {
         demand: Demand,
     ) -> Option<Found> {
         let effort = match subject {
-            Subject::Vertex(_) if demand.level2.is_finite() => self.effort.at_boundary(),
-            Subject::Vertex(_) | Subject::Sample(_) => self.effort,
+            Subject::Vertex(_) if demand.level2.is_finite() => self.scope.effort.at_boundary(),
+            Subject::Vertex(_) | Subject::Sample(_) => self.scope.effort,
         };
         let Effort { neighbours, widest, remaining, obstacles, cap, places, spacing, patient, .. } = effort;
         let level = demand.level2.sqrt();
         let spacing = if level.is_finite() { spacing * level } else { 0.0 };
-        let Sparsifier { alone, pair, near, pass_odds, .. } = self;
+        let Searcher { alone, pair, near, pass_odds, .. } = self;
         let p = subject.position(t);
         let is_on_boundary = matches!(subject, Subject::Vertex(v) if boundary.kind(v) != 0);
         near.retain_mut(|candidate| {
@@ -250,7 +267,8 @@ impl Sparsifier {
             }
             if worst <= 1.0 {
                 pass_odds.made += usize::from(hesitates);
-                let guess = all_free && pair.foresee(t, boundary, flush_tiny(place));
+                let is_foreseen = all_free && pair.foresee(t, boundary, flush_tiny(place));
+                let guess = is_foreseen.then(|| std::mem::take(&mut pair.guess));
                 return Some(Found { remove, add: Some((place, carrier)), plan, guess });
             }
         }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::forecast::{Demand, Forecast};
 use crate::domain::Unsplit;
 use crate::refine::{RefineOptions, RefineStatus};
-use crate::samples::{numbers, random_points};
+use crate::samples::{numbers, prism, random_points};
 use crate::triangulation::cavity::Cavity;
 use crate::triangulation::remove::{Hole, Replacement};
 use crate::triangulation::topology::GHOST;
@@ -415,13 +415,29 @@ fn a_forecast_of_a_point_tells_the_worst_that_comes() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_bytes() {
-    let plc = slanted_box(80, 12);
-    let options = RefineOptions { radius_edge: 1.5, sparsify: Some(Sparsify::Thorough), ..RefineOptions::default() };
-    let [a, b] = [refined(&plc, &options).0, refined(&plc, &options).0];
-    assert_eq!(a.view().points, b.view().points);
-    assert_eq!(a.view().tetrahedra, b.view().tetrahedra);
-    assert_eq!(a.view().neighbours, b.view().neighbours);
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+    // Of the cylinder's vertices few pairs on the boundary come to something, so that it matters which ones are tried.
+    let angle = |i: u32| f64::from(i) / 200.0 * std::f64::consts::TAU;
+    let cylinder = prism(&std::array::from_fn::<_, 200, _>(|i| [angle(i as u32).cos(), angle(i as u32).sin()]), 0.3);
+    // Hundreds of vertices are tried, most of them neighbours: changes that touch each other come in the same block.
+    let cases = [
+        (random_box(150, 5), 1.2, Sparsify::Quick),
+        (slanted_box(80, 12), 1.2, Sparsify::Thorough),
+        (cylinder, 2.0, Sparsify::Quick),
+    ];
+    for (plc, radius_edge, level) in cases {
+        let [one, again, two, many] = [1, 1, 2, 8].map(|threads| {
+            let options = RefineOptions { radius_edge, sparsify: Some(level), ..RefineOptions::default() };
+            let mut mesh = Mesh::from_plc_on(threads, &plc, &Control::new()).unwrap();
+            let report = mesh.refine(&options, &Control::new()).unwrap();
+            assert_eq!((mesh.validate(3), mesh.validate_quality(radius_edge)), (Ok(()), Ok(())));
+            let points = mesh.view().points.iter().map(|p| p.to_array().map(f64::to_bits)).collect::<Vec<_>>();
+            (points, mesh.view().tetrahedra.to_vec(), [report.steiner, report.removed, report.replaced])
+        });
+        let [steiner, removed, replaced] = one.2;
+        assert!(steiner > 200 && removed + replaced > 100, "{level:?}: {:?}", one.2);
+        assert!(one == again && one == two && one == many, "{level:?}");
+    }
 }
 
 /// One point is so far away that the hull's facets at it come together by rounding. A vertex that was taken away stayed in a facet that its carrier

@@ -9,11 +9,11 @@ use super::partition::{sample, AnyTerritory, Division, Partition, Planes, MAX_DE
 use super::pass::{Pass, BLOCK, POLL_INTERVAL};
 use super::site::Site;
 use super::territory::Territory;
-use super::threads::{self, share_out};
 use super::topology::NONE;
 use super::Triangulation;
 use crate::geometry::lanes::Portable;
 use crate::leavings::{Each, InPieces};
+use crate::threads::{self, share_out};
 use crate::{memory, Control, Error, LogLevel};
 
 /// Vertices of before are nobody's if they are not more than one in so many.

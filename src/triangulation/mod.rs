@@ -20,7 +20,6 @@
 //! | `pass` | insertions in all divisions at once, with the same result as one after the other |
 //! | `territory` | what a thread may touch |
 //! | `site` | the triangulation as the hot loops and the threads see it |
-//! | `threads` | work shared out |
 //! | `order` | that order: BRIO rounds along a Hilbert curve |
 //! | `lower` | points that span no volume yet |
 //! | `room` | room made ahead, in pieces |
@@ -49,7 +48,6 @@ mod search;
 mod site;
 mod star;
 mod territory;
-mod threads;
 pub mod topology;
 mod toward;
 mod validate;
@@ -160,6 +158,11 @@ impl Triangulation {
     /// make it faster and change nothing of the result, not even the order in which tetrahedra are stored.
     pub fn set_threads(&mut self, threads: usize) {
         self.threads = Threads(threads);
+    }
+
+    /// As [set](Self::set_threads).
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.0
     }
 
     /// −1 without points, then the dimension that they span: 0 to 3.

@@ -10,9 +10,9 @@
 use glam::DVec3;
 
 use super::partition::{depth, sample, Division, Planes};
-use super::threads::share_out;
 use crate::leavings::{Each, InPieces, Leavings};
 use crate::sorting::sort;
+use crate::threads::share_out;
 use crate::{memory, Control, Error};
 
 /// Bits an axis of the Hilbert key.

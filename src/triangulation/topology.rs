@@ -9,8 +9,8 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::incident::StarWalk;
-use super::threads::share_out;
 use crate::leavings::{InPieces, Leavings};
+use crate::threads::share_out;
 use crate::{memory, Control, Error};
 
 /// The vertex at infinity.
