@@ -42,6 +42,35 @@ fn refine_in_steps(mesh: &mut Mesh) {
     assert!(steps > 3, "{steps}");
 }
 
+/// The vertices of an icosahedron in the unit sphere, and twice the middles of all edges that there are by then, put on the sphere.
+fn icosphere() -> Vec<DVec3> {
+    let golden = 0.5 + 1.25f64.sqrt();
+    let ring = [1.0, -1.0].into_iter().flat_map(|x| [DVec3::new(0.0, x, golden), DVec3::new(0.0, x, -golden)]);
+    let turned = ring.flat_map(|p| [p, DVec3::new(p.y, p.z, p.x), DVec3::new(p.z, p.x, p.y)]);
+    let mut points: Vec<DVec3> = turned.map(DVec3::normalize).collect();
+    for longest_edge in [1.1, 0.7] {
+        for (i, j) in (0..points.len()).flat_map(|j| (0..j).map(move |i| (i, j))) {
+            if points[i].distance(points[j]) < longest_edge {
+                points.push((points[i] + points[j]).normalize());
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn one_vertex_in_the_middle_serves_a_whole_sphere() {
+    for decimals in [1e4, 1e15] {
+        let points = icosphere().into_iter().map(|p| (p * decimals).round() / decimals);
+        let mut mesh = Mesh::new();
+        mesh.insert(&points.collect::<Vec<_>>(), None, &Control::new()).unwrap();
+        mesh.use_hull_as_domain().unwrap();
+        let report = mesh.refine(&RefineOptions::default(), &Control::new()).unwrap();
+        assert_eq!((report.status, report.steiner, report.tetrahedra), (RefineStatus::Done, 1, 320));
+        assert!(mesh.view().points[162].length() < 0.01);
+    }
+}
+
 #[test]
 fn boxes_are_refined_by_both_rules() {
     for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {

@@ -120,6 +120,14 @@ impl VoronoiFacet {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// How many link vertices are as near as the edge, but for this share of the squared distance, to the facet's point at an angle and a distance from the midpoint.
+    pub fn crowd(&self, angle: f64, distance: f64, share: f64) -> usize {
+        let (sin, cos) = angle.sin_cos();
+        let x = DVec2::new(cos, sin) * distance;
+        let radius2 = distance * distance + 0.25 * self.length * self.length;
+        self.half_planes.iter().filter(|h| 2.0 * (h.offset - x.dot(h.normal)) <= share * radius2).count()
+    }
+
     /// The arcs of the circle of this radius that lie inside the facet, in order of their angles; the whole circle is one arc
     /// of span 2π. `arcs` is filled; it stays empty when the circle lies outside, or around the facet.
     pub fn rim_arcs(&self, radius: f64, arcs: &mut Vec<Arc>) {

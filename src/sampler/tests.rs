@@ -91,6 +91,30 @@ fn samples_beyond_the_facet_stop_at_its_side() {
 }
 
 #[test]
+fn a_lone_sample_goes_to_a_crowded_corner() {
+    // A short edge of a unit sphere's surface; the link's first and last vertices are its neighbours, the others are on the far side, at their distances from
+    // the centre.
+    let sample = |edge: f64, far: [f64; 2]| {
+        let on_sphere = |x: f64, y: f64| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
+        let [p, q] = [on_sphere(-0.5 * edge, 0.0), on_sphere(0.5 * edge, 0.0)];
+        let [b, c] = [DVec3::new(0.6, 0.0, -0.8) * far[0], DVec3::new(-0.48, 0.36, -0.8) * far[1]];
+        let link = [on_sphere(0.0, 0.25), b, c, on_sphere(0.0, -0.25)];
+        let facet = VoronoiFacet::new(p, q, &link, false);
+        let [batch, first] =
+            [sample_component(&facet, &mut Vec::new(), 2.0, Rule::Sparse), sample_first(&facet, &mut Vec::new(), 2.0)];
+        assert_eq!(batch, first);
+        batch.unwrap().points[0]
+    };
+    assert!(sample(0.28, [1.0; 2]).length() < 1e-8);
+    assert!(sample(0.28, [1.0001; 2]).length() < 1e-3);
+    // Nobody else is there, or it is farther than a sample reaches.
+    for (edge, far) in [(0.28, [1.01; 2]), (0.2, [1.0; 2])] {
+        let distance = 1.0 - sample(edge, far).length();
+        assert!((distance / edge - 3.05).abs() < 0.1, "{}", distance / edge);
+    }
+}
+
+#[test]
 fn a_facet_that_misses_its_disk_falls_back_to_the_circumcentre() {
     let link = [DVec3::new(0.1, 0.0, 0.0), DVec3::new(-3.0, 90.0, 0.0), DVec3::new(-3.0, -90.0, 0.0)];
     let samples = sample_edge(P, Q, &link, true, 2.0, Rule::Paper).unwrap();
