@@ -23,8 +23,8 @@ use crate::{Control, Error, RefineStatus};
 const PART: usize = 32;
 /// The smallest and the largest block. A look takes tens of microseconds, three to five times that at the highest level.
 const BLOCK: [usize; 2] = [16, 128];
-/// A thread is worth its start for so many looks.
-const SHARE: usize = 8;
+/// A thread is worth its start, and the memory of its own that it needs for each tetrahedron and vertex, for so many looks.
+const SHARE: usize = 16;
 
 /// Who looks at vertices, and what it has found.
 #[derive(Debug, Default)]
