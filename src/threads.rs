@@ -20,22 +20,11 @@ where
             part.into_iter().for_each(&work);
         }
     };
-    thread::scope(|scope| {
-        let mut helpers = Vec::new();
-        for _ in 1..threads.min(parts.len()) {
-            // A thread begins with the floating-point mode of the one that starts it.
-            match thread::Builder::new().spawn_scoped(scope, run) {
-                Ok(helper) => helpers.push(helper),
-                Err(_) => break,
-            }
-        }
-        run();
-        join(helpers);
-    });
+    side_by_side((1..threads.min(parts.len())).map(|_| run), run);
 }
 
-/// Does `work` for every number below `count`, on one thread for each of `states`, this one among them, which asks `go_on` before each of its numbers. False when
-/// that has said stop; some numbers may be left out then. Threads that the system does not give are done without.
+/// Does `work` for every number below `count`, on one thread for each of `states`, this one among them, which asks `go_on` before each of its
+/// numbers. False when that has said stop; some numbers may be left out then. Threads that the system does not give are done without.
 pub(crate) fn share_numbers<S: Send>(
     states: &mut [S],
     count: usize,
@@ -48,21 +37,15 @@ pub(crate) fn share_numbers<S: Send>(
         (number < count && !stop.load(Ordering::Relaxed)).then_some(number)
     };
     let Some((own, others)) = states.split_first_mut() else { return count == 0 };
-    thread::scope(|scope| {
-        let mut helpers = Vec::new();
-        for state in others {
-            let (work, take) = (&work, &take);
-            let run = move || {
-                while let Some(number) = take() {
-                    work(state, number);
-                }
-            };
-            // A thread begins with the floating-point mode of the one that starts it.
-            match thread::Builder::new().spawn_scoped(scope, run) {
-                Ok(helper) => helpers.push(helper),
-                Err(_) => break,
+    let helpers = others.iter_mut().map(|state| {
+        let (work, take) = (&work, &take);
+        move || {
+            while let Some(number) = take() {
+                work(state, number);
             }
         }
+    });
+    side_by_side(helpers, || {
         while let Some(number) = take() {
             if !go_on() {
                 stop.store(true, Ordering::Relaxed);
@@ -70,18 +53,24 @@ pub(crate) fn share_numbers<S: Send>(
             }
             work(own, number);
         }
-        join(helpers);
     });
     !stop.load(Ordering::Relaxed)
 }
 
-/// Waits for threads. Their scope would do so, too, but by means that checkers of threads don't see.
-fn join(helpers: Vec<thread::ScopedJoinHandle<'_, ()>>) {
-    for helper in helpers {
-        if let Err(panic) = helper.join() {
-            std::panic::resume_unwind(panic);
+/// Runs `own` on this thread and each helper on one of its own, up to the first that the system does not give; returns when all are done.
+fn side_by_side(helpers: impl Iterator<Item = impl FnOnce() + Send>, own: impl FnOnce()) {
+    thread::scope(|scope| {
+        // A thread begins with the floating-point mode of the one that starts it.
+        let started = |helper| thread::Builder::new().spawn_scoped(scope, helper).ok();
+        let running: Vec<_> = helpers.map_while(started).collect();
+        own();
+        // The scope would wait for them, too, but by means that checkers of threads don't see.
+        for helper in running {
+            if let Err(panic) = helper.join() {
+                std::panic::resume_unwind(panic);
+            }
         }
-    }
+    });
 }
 
 /// How many threads a caller's number stands for: 0 for as many as there are processors.

@@ -15,7 +15,7 @@ use super::{Odds, Sparsifier};
 use crate::domain::Boundary;
 use crate::refine::limits::Limits;
 use crate::sorting::sort_by;
-use crate::threads::{self, share_numbers};
+use crate::threads::share_numbers;
 use crate::triangulation::Triangulation;
 use crate::{Control, Error, RefineStatus};
 
@@ -27,7 +27,7 @@ const BLOCK: [usize; 2] = [16, 128];
 const SHARE: usize = 16;
 
 /// Who looks at vertices, and what it has found.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Worker {
     searcher: Searcher,
     looks: Vec<Look>,
@@ -59,7 +59,7 @@ impl Sparsifier {
     ) -> Result<Option<RefineStatus>, Error> {
         let scope = self.searcher.scope;
         let mut workers = vec![Worker::of(std::mem::replace(&mut self.searcher, Searcher::new(scope)))];
-        let threads = threads::count(t.threads()).min(BLOCK[1] / SHARE);
+        let threads = t.threads().min(BLOCK[1] / SHARE);
         workers.extend((1..threads).map(|_| Worker::of(Searcher::new(scope))));
         let stopped = self.work_off(&mut workers, t, boundary, control, limits);
         self.searcher = workers.swap_remove(0).searcher;
@@ -88,7 +88,7 @@ impl Sparsifier {
         }
         boundary.relaxed = true;
         let all = queue.len().max(1);
-        let (mut block, mut looks, mut fraction) = (Vec::new(), Vec::new(), 0.0f64);
+        let (mut block, mut fraction) = (Vec::new(), 0.0f64);
         let mut touched = FxHashSet::default();
         loop {
             let size = (queue.len() / PART).clamp(BLOCK[0], BLOCK[1]);
@@ -109,9 +109,8 @@ impl Sparsifier {
             if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
                 return Ok(Some(status));
             }
-            look_at(&block, workers, &mut looks, (t, boundary), control)?;
             touched.clear();
-            for Look { position, found, .. } in looks.drain(..) {
+            for Look { position, found, .. } in look_at(&block, workers, (t, boundary), control)? {
                 let Some(found) = found else { continue };
                 control.check()?;
                 if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
@@ -146,10 +145,9 @@ impl Sparsifier {
 fn look_at(
     block: &[u32],
     workers: &mut [Worker],
-    looks: &mut Vec<Look>,
     (t, boundary): (&Triangulation, &Boundary),
     control: &Control,
-) -> Result<(), Error> {
+) -> Result<Vec<Look>, Error> {
     let threads = workers.len().min(block.len().div_ceil(SHARE));
     let workers = &mut workers[..threads];
     for worker in workers.iter_mut() {
@@ -168,12 +166,11 @@ fn look_at(
         }
     };
     let all_done = share_numbers(workers, block.len(), look, || control.poll());
-    looks.clear();
-    workers.iter_mut().for_each(|worker| looks.append(&mut worker.looks));
+    let mut looks: Vec<Look> = workers.iter_mut().flat_map(|worker| worker.looks.drain(..)).collect();
     looks.sort_unstable_by_key(|look| look.position);
     workers[0].searcher.pass_odds = looks.iter().fold(before, |sum, look| sum.and(look.odds));
     if all_done {
-        Ok(())
+        Ok(looks)
     } else {
         Err(Error::Cancelled)
     }

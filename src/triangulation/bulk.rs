@@ -13,7 +13,7 @@ use super::topology::NONE;
 use super::Triangulation;
 use crate::geometry::lanes::Portable;
 use crate::leavings::{Each, InPieces};
-use crate::threads::{self, share_out};
+use crate::threads::share_out;
 use crate::{memory, Control, Error, LogLevel};
 
 /// Vertices of before are nobody's if they are not more than one in so many.
@@ -57,7 +57,7 @@ impl Triangulation {
     /// The bulk insertion, in dimension 3. The points are stored in the order of insertion, which keeps neighbours close in memory, and are
     /// renumbered in the end.
     pub(super) fn insert_sorted(&mut self, points: &[DVec3], control: &Control) -> Result<Option<Vec<u32>>, Error> {
-        let threads = threads::count(self.threads.0).min(1 << MAX_DEPTH);
+        let threads = self.threads().min(1 << MAX_DEPTH);
         let (base, present) = (self.points.len(), self.vertex_count());
         control.log(LogLevel::Info, || format!("delaunay: {} points, {threads} threads", points.len()));
         if !control.report("delaunay", 0.0, present) {

@@ -57,7 +57,7 @@ use glam::DVec3;
 
 use crate::geometry::Filter;
 use crate::leavings::{InPieces, Leavings};
-use crate::{memory, Control, Error};
+use crate::{memory, threads, Control, Error};
 use cavity::Cavity;
 pub(crate) use lower::ByPoint;
 use lower::Lower;
@@ -160,9 +160,9 @@ impl Triangulation {
         self.threads = Threads(threads);
     }
 
-    /// As [set](Self::set_threads).
+    /// How many threads [that](Self::set_threads) stands for.
     pub(crate) fn threads(&self) -> usize {
-        self.threads.0
+        threads::count(self.threads.0)
     }
 
     /// −1 without points, then the dimension that they span: 0 to 3.

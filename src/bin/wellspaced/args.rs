@@ -50,7 +50,8 @@ pub struct Files {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Use so many threads to triangulate the points and for the pass over Steiner points, 0 for as many as there are processors; the result is the same in every byte
+    /// Use so many threads to triangulate the points and for the pass over Steiner points, 0 for as many as there are processors; the
+    /// result is the same in every byte
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1024))]
     pub threads: u32,
 }
