@@ -300,6 +300,15 @@ fn main() {
             || mesh.try_clone(&Control::new()).unwrap(),
             |mesh, control| mesh.try_view(control).is_ok(),
         );
+        measure(
+            &format!("boundary {count}"),
+            6,
+            || mesh.try_clone(&Control::new()).unwrap(),
+            |mesh, control| {
+                mesh.use_hull_as_domain().unwrap();
+                mesh.try_boundary_view(control).is_ok()
+            },
+        );
         measure(&format!("clone {count}"), 6, || (), |(), control| mesh.try_clone(control));
         let more = scattered(10_000);
         measure(

@@ -96,7 +96,8 @@
 #define WSP_VERTEX_LIMIT 2
 
 /**
- * Some tetrahedra exceed the bound because mending them needs an edge below the minimum length. The mesh is valid.
+ * Some tetrahedra are left that exceed the bound: because of small input angles or a boundary that is kept, because mending them needs an edge
+ * below the minimum length, or because rounding leaves no place. wsp_report counts them by reason. The mesh is valid.
  */
 #define WSP_UNREFINED 3
 
@@ -448,6 +449,26 @@
 #define WSP_VALIDATE_QUALITY 4
 
 /**
+ * The vertex lies on no segment and no facet.
+ */
+#define WSP_ON_NOTHING 0
+
+/**
+ * The vertex is an end of a segment, or a corner of a facet.
+ */
+#define WSP_ON_VERTEX 1
+
+/**
+ * The vertex lies inside a segment.
+ */
+#define WSP_ON_SEGMENT 2
+
+/**
+ * The vertex lies inside a facet.
+ */
+#define WSP_ON_FACET 3
+
+/**
  * The point is a sample of the rule, in the interior.
  */
 #define WSP_ORIGIN_SAMPLE 0
@@ -526,6 +547,11 @@ typedef struct wsp_triangulation_options {
      * is the same in every byte. Callbacks run on the caller's thread only.
      */
     uint32_t threads;
+    /**
+     * 1 splits no segment or facet to recover it: wsp_triangulation_from_plc refuses a domain of which one is missing from the
+     * Delaunay triangulation of its points, and names it (WSP_ERR_INVALID_DOMAIN). Default: 0.
+     */
+    uint32_t keep_boundary;
 } wsp_triangulation_options;
 
 /**
@@ -599,8 +625,8 @@ typedef struct wsp_refine_options {
      */
     double max_edge;
     /**
-     * 1 puts no Steiner points on segments and facets that are there; what could only be mended so is left and counted.
-     * Default: 0.
+     * 1 puts no Steiner points on segments and facets; what could only be mended so is left and counted. What the domain's recovery has put there when
+     * it was made remains: wsp_triangulation_options has a `keep_boundary` too. Default: 0.
      */
     uint32_t keep_boundary;
     /**
@@ -787,6 +813,70 @@ typedef struct wsp_mesh_view {
 } wsp_mesh_view;
 
 /**
+ * The arrays of a domain's boundary. Fill it with wsp_boundary_view_init before it is given to a function.
+ *
+ * Vertices are numbered by id, tetrahedra as in wsp_mesh_view. An array without elements may be NULL.
+ */
+typedef struct wsp_boundary_view {
+    /**
+     * Set by the `_init`.
+     */
+    uint32_t struct_size;
+    /**
+     * 0.
+     */
+    uint32_t flags;
+    /**
+     * Three vertex ids a face, in the order of facets; counterclockwise seen from outside the first of its tetrahedra.
+     */
+    const uint32_t *faces;
+    /**
+     * The number of faces.
+     */
+    size_t faces_count;
+    /**
+     * The facet of each face: its number as wsp_plc_add_facets gave it, or a number of its own where the hull is the domain.
+     */
+    const uint32_t *face_facets;
+    /**
+     * The marker of each face's facet.
+     */
+    const int32_t *face_markers;
+    /**
+     * Two tetrahedra a face, those on its sides: WSP_NONE for none. If there is but one, it is the first; of two it is the lower.
+     */
+    const uint32_t *face_tetrahedra;
+    /**
+     * Two vertex ids an edge, in the order of segments.
+     */
+    const uint32_t *edges;
+    /**
+     * The number of edges.
+     */
+    size_t edges_count;
+    /**
+     * A number of each edge's segment: all edges of one have it, and no others. Facets' sides are segments too.
+     */
+    const uint32_t *edge_segments;
+    /**
+     * The marker of each edge's segment: that of wsp_plc_add_segments, or for a facet's side that is no segment the marker of its first facet.
+     */
+    const int32_t *edge_markers;
+    /**
+     * For each vertex id WSP_ON_NOTHING, WSP_ON_VERTEX, WSP_ON_SEGMENT or WSP_ON_FACET.
+     */
+    const uint8_t *vertex_kinds;
+    /**
+     * For each vertex id the segment or facet that it lies inside of, by the numbers of `edge_segments` and `face_facets`; else WSP_NONE.
+     */
+    const uint32_t *vertex_elements;
+    /**
+     * Vertex ids run from 0 to one below this.
+     */
+    size_t vertices_count;
+} wsp_boundary_view;
+
+/**
  * An edge: the ids of its two vertices, in any order where one is asked for, the lower first where one is given.
  */
 typedef struct wsp_edge {
@@ -812,7 +902,7 @@ typedef struct wsp_origin {
 
 /**
  * What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
- * `tetrahedra` and `bad` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
+ * `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
  */
 typedef struct wsp_report {
     /**
@@ -885,7 +975,7 @@ typedef struct wsp_report {
      */
     size_t unrefined_min_edge;
     /**
-     * Those that a vertex limit or a cancellation came before.
+     * Those that a limit of vertices, seconds or memory came before.
      */
     size_t unrefined_limit;
     /**
@@ -896,6 +986,14 @@ typedef struct wsp_report {
      * Tetrahedra, bad or not, that are larger than was asked for.
      */
     size_t too_large;
+    /**
+     * Steiner points that lie on segments now: those of the domain's recovery and of earlier calls too.
+     */
+    size_t on_segments;
+    /**
+     * Steiner points that lie on facets now, but on no segment.
+     */
+    size_t on_facets;
 } wsp_report;
 
 /**
@@ -1262,15 +1360,16 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
 /**
  * Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
  * one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
- * Delaunay triangulation they are split, so there may be more vertices than points.
+ * Delaunay triangulation they are split, so there may be more vertices than points: those on segments and facets are Steiner points, and
+ * wsp_triangulation_boundary tells which they are.
  *
  * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
  * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
  * WSP_CANCELLED.
  *
- * The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
- * domains: others may work, but their input is not checked for intersections. Where segments or facets meet at less
- * than 60 degrees, tetrahedra between them may be left bad (WSP_UNREFINED).
+ * The domain is what the facets enclose, less the volumes around the seeds of holes; it need not be convex. It is checked exactly
+ * before anything is made of it, as wsp_plc_check does. Where segments or facets meet at less than 60 degrees, tetrahedra
+ * between them may be left bad (WSP_UNREFINED).
  *
  * Cost: that of inserting the points and splits.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
@@ -1455,6 +1554,24 @@ wsp_status wsp_triangulation_view(const struct wsp_triangulation *triangulation,
 wsp_status wsp_triangulation_view_within(const struct wsp_triangulation *triangulation,
                                          struct wsp_mesh_view *view,
                                          struct wsp_control *control);
+
+/**
+ * Makes `view` an empty boundary. `size` is `sizeof *view`.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE (nothing is written then).
+ */
+wsp_status wsp_boundary_view_init(struct wsp_boundary_view *view, size_t size);
+
+/**
+ * Shows the boundary of the domain in place: its faces and edges as the mesh has them now, with the markers of facets and segments, and for each
+ * vertex what it lies on, Steiner points too. Without a domain all arrays are empty. Nothing is copied for the caller, and nothing is to be freed: the
+ * arrays are valid until the next call that changes or frees `triangulation`. `control`, which may be NULL, cancels: WSP_CANCELLED then.
+ *
+ * Cost: the arrays are made at the first call after a change, in time linear in the mesh; further calls cost nothing.
+ * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_MEMORY, WSP_ERR_BUSY. After these and WSP_CANCELLED `view` is left as it was.
+ */
+wsp_status wsp_triangulation_boundary(const struct wsp_triangulation *triangulation,
+                                      struct wsp_control *control,
+                                      struct wsp_boundary_view *view);
 
 /**
  * Lists the bad short edges of the domain (of the hull without one) for the bound `radius_edge`, shortest first,

@@ -45,7 +45,7 @@ pub use domain::check::{PlcCheck, PlcDefect, PlcDefectKind, Severity, SmallAngle
 pub use domain::plc::{Plc, PlcFacet, PlcRegion, PlcSegment};
 pub use error::{DomainElement, Error};
 pub use glam::DVec3;
-pub use mesh::{Mesh, MeshView};
+pub use mesh::{BoundaryView, Mesh, MeshView, On};
 pub use refine::sizing::Sizing;
 pub use refine::step::{Batch, Origin, SteinerPoint, StepOptions};
 pub use refine::{RefineOptions, RefineReport, RefineStatus, Unrefined};

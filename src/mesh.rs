@@ -1,5 +1,6 @@
 //! A triangulation together with its domain: what most callers hold, and what the C handle wraps.
 
+mod outline;
 mod refinement;
 
 use std::sync::OnceLock;
@@ -14,10 +15,16 @@ use crate::refine::refiner::Refiner;
 use crate::triangulation::topology::tet_of;
 use crate::triangulation::Defect;
 use crate::{memory, Control, Error, RefineOptions, RefineStatus, Triangulation};
+use outline::Outline;
+pub use outline::{BoundaryView, On};
 
 /// Recovery may make so many vertices in any case, and so many more for each vertex and element.
 const RECOVERY_ROOM: usize = 100_000;
 const RECOVERY_FACTOR: usize = 100;
+
+/// Tetrahedra between two looks at the control, where arrays of them are made.
+const BLOCK: usize = 1 << 14;
+const WHAT: &str = "view";
 
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +38,7 @@ pub struct Mesh {
     /// Ids of Steiner points are missing: a call was cancelled before it could close the gaps.
     has_gaps: bool,
     view: OnceLock<View>,
+    outline: OnceLock<Outline>,
 }
 
 /// What bounds the mesh; which tetrahedra it encloses, their labels tell.
@@ -75,8 +83,8 @@ impl Mesh {
 
     /// The triangulation of the complex's points, with the complex as its domain.
     ///
-    /// Segments and facets are recovered: Steiner points are added where they are missing from the Delaunay triangulation, or
-    /// encroached. A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
+    /// Segments and facets are recovered: they are split where they are missing from the Delaunay triangulation. (What vertices encroach upon waits for a
+    /// refinement.) A complex of points alone has its hull as domain. [`Error::InvalidDomain`] names the element that makes the complex
     /// unusable, and tells when the facets enclose no volume; [`Error::Cancelled`] when the control cancels it.
     pub fn from_plc(plc: &Plc, control: &Control) -> Result<Mesh, Error> {
         Self::from_plc_on(1, plc, control)
@@ -84,6 +92,16 @@ impl Mesh {
 
     /// As [`from_plc`](Self::from_plc), with [so many threads](Self::set_threads).
     pub fn from_plc_on(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
+        Self::from_plc_as(threads, plc, false, control)
+    }
+
+    /// As [`from_plc_on`](Self::from_plc_on), but no segment or facet is split: where one is missing from the Delaunay triangulation of the complex's points,
+    /// [`Error::InvalidDomain`] names it. With [`RefineOptions::keep_boundary`] the boundary stays the one that was given.
+    pub fn from_plc_kept(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
+        Self::from_plc_as(threads, plc, true, control)
+    }
+
+    fn from_plc_as(threads: usize, plc: &Plc, kept: bool, control: &Control) -> Result<Mesh, Error> {
         let parts = plc.arrange(control)?;
         let mut mesh = InPieces::new(Mesh::new(), control);
         mesh.set_threads(threads);
@@ -102,11 +120,18 @@ impl Mesh {
             return Err(whole("its points lie in a plane and enclose no volume"));
         }
         let boundary = Boundary::from_plc(&mesh.t, plc, (&parts, &ids), control)?;
+        if kept {
+            if let Some(error) = mesh.missing(&boundary, "would have to be split", control)? {
+                return Err(error);
+            }
+        }
         if mesh.set_boundary(boundary, &plc.holes, &plc.regions, control)? == RefineStatus::Cancelled {
             return Err(Error::Cancelled);
         }
-        if let Some(error) = mesh.unrecovered(control)? {
-            return Err(error);
+        if let Some(boundary) = mesh.boundary().filter(|boundary| boundary.misses()) {
+            if let Some(error) = mesh.missing(boundary, "can't be recovered by splits", control)? {
+                return Err(error);
+            }
         }
         let turns = control.turns();
         if mesh.t.topology.live().take_while(|_| turns.go_on()).all(|t| !mesh.t.is_inside(t)) {
@@ -116,16 +141,16 @@ impl Mesh {
         Ok(mesh.keep())
     }
 
-    /// The error for a subsegment or subfacet that recovery had to leave missing.
-    fn unrecovered(&self, control: &Control) -> Result<Option<Error>, Error> {
-        let Some(boundary) = self.boundary().filter(|boundary| boundary.misses()) else { return Ok(None) };
+    /// The error for a subsegment or subfacet that is missing, and what follows from it.
+    fn missing(&self, boundary: &Boundary, what: &str, control: &Control) -> Result<Option<Error>, Error> {
         let Some(defect) = boundary.first_missing(&self.t, control)? else { return Ok(None) };
-        let element = match defect {
-            Defect::MissingSubfacet { face } => boundary.facet_of(face).map(crate::DomainElement::Facet),
+        let facet = match defect {
+            Defect::MissingSubfacet { face } => boundary.facet_of(face),
+            Defect::MissingSubsegment { edge } => boundary.facet_beside(edge),
             _ => None,
         };
-        let element = element.unwrap_or(crate::DomainElement::Whole);
-        Ok(Some(Error::InvalidDomain { element, problem: format!("can't be recovered by splits: {defect}") }))
+        let element = facet.map_or(crate::DomainElement::Whole, crate::DomainElement::Facet);
+        Ok(Some(Error::InvalidDomain { element, problem: format!("{what}: {defect}") }))
     }
 
     /// Makes the convex hull of the present points the domain: its coplanar facets are kept as facets, its other edges as segments.
@@ -275,15 +300,19 @@ impl Mesh {
         Ok(copy.keep())
     }
 
-    /// Drops the arrays of the view, because what they show changes.
+    /// Drops the arrays of the views, because what they show changes.
     pub(crate) fn forget_view(&mut self) {
         self.view = OnceLock::new();
+        self.outline = OnceLock::new();
     }
 
     /// [`forget_view`](Self::forget_view) within a call that can be cancelled.
     fn give_view_back(&mut self, control: &Control) {
         if let Some(view) = self.view.take() {
             control.give_back(view);
+        }
+        if let Some(outline) = self.outline.take() {
+            control.give_back(outline);
         }
     }
 
@@ -369,9 +398,27 @@ impl Mesh {
     }
 
     fn make_view(&self, control: &Control) -> Result<View, Error> {
-        /// Tetrahedra between two looks at the control.
-        const BLOCK: usize = 1 << 14;
-        const WHAT: &str = "view";
+        let topology = &self.t.topology;
+        let (number, inside) = self.number_inside(control)?;
+        let (number, inside) = (InPieces::new(number, control), InPieces::new(inside, control));
+        let mut view = InPieces::new(View::default(), control);
+        memory::reserve_exact(&mut view.tetrahedra, inside.len(), WHAT)?;
+        memory::reserve_exact(&mut view.neighbours, inside.len(), WHAT)?;
+        memory::reserve_exact(&mut view.regions, inside.len(), WHAT)?;
+        for (i, block) in inside.chunks(BLOCK).enumerate() {
+            let fraction = 0.5 + 0.5 * (i * BLOCK) as f64 / inside.len() as f64;
+            if !control.report("view", fraction, self.t.vertex_count()) {
+                return Err(Error::Cancelled);
+            }
+            view.tetrahedra.extend(block.iter().map(|&t| topology.tet(t).v));
+            view.neighbours.extend(block.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])));
+            view.regions.extend(block.iter().map(|&t| self.region(t)));
+        }
+        Ok(view.keep())
+    }
+
+    /// By place of each tetrahedron its number in the view, `u32::MAX` for those that are not shown; and the places of those that are, in order.
+    fn number_inside(&self, control: &Control) -> Result<(Vec<u32>, Vec<u32>), Error> {
         let topology = &self.t.topology;
         let mut number = memory::room_in_pieces(topology.tets.len(), WHAT, control)?;
         let mut inside = memory::room_in_pieces::<u32>(topology.finite_count(), WHAT, control)?;
@@ -389,20 +436,7 @@ impl Mesh {
                 inside.push(t);
             }
         }
-        let mut view = InPieces::new(View::default(), control);
-        memory::reserve_exact(&mut view.tetrahedra, inside.len(), WHAT)?;
-        memory::reserve_exact(&mut view.neighbours, inside.len(), WHAT)?;
-        memory::reserve_exact(&mut view.regions, inside.len(), WHAT)?;
-        for (i, block) in inside.chunks(BLOCK).enumerate() {
-            let fraction = 0.5 + 0.5 * (i * BLOCK) as f64 / inside.len() as f64;
-            if !control.report("view", fraction, self.t.vertex_count()) {
-                return Err(Error::Cancelled);
-            }
-            view.tetrahedra.extend(block.iter().map(|&t| topology.tet(t).v));
-            view.neighbours.extend(block.iter().map(|&t| topology.tet(t).n.map(|f| number[tet_of(f) as usize])));
-            view.regions.extend(block.iter().map(|&t| self.region(t)));
-        }
-        Ok(view.keep())
+        Ok((number.keep(), inside.keep()))
     }
 }
 
@@ -415,6 +449,7 @@ impl Leavings for View {
 impl Leavings for Mesh {
     fn give_back(&mut self) -> bool {
         self.view.get_mut().is_some_and(Leavings::give_back)
+            || self.outline.get_mut().is_some_and(Leavings::give_back)
             || self.t.give_back()
             || self.domain.as_mut().is_some_and(|domain| domain.boundary.give_back())
     }

@@ -9,6 +9,7 @@ use std::ffi::{c_void, CStr};
 use std::ptr::{null, null_mut};
 
 use wellspaced::capi::batch::*;
+use wellspaced::capi::boundary::*;
 use wellspaced::capi::control::*;
 use wellspaced::capi::mesh_batch::*;
 use wellspaced::capi::options::*;
@@ -321,6 +322,29 @@ impl Pool {
         }
     }
 
+    /// The boundary of a triangulation, which names nothing that is not there.
+    fn boundary(&mut self, bytes: &mut Bytes) {
+        let t = one_of(&self.triangulations, bytes);
+        // SAFETY: numbers and NULL.
+        let (mut view, mut mesh): (wsp_boundary_view, wsp_mesh_view) = unsafe { std::mem::zeroed() };
+        ask!(wsp_boundary_view_init(&mut view, size_of_struct(size_of::<wsp_boundary_view>(), bytes)));
+        let control = self.control(t, bytes);
+        if ask!(wsp_triangulation_boundary(t, control, &mut view)) != WSP_DONE {
+            return;
+        }
+        ask!(wsp_mesh_view_init(&mut mesh, size_of::<wsp_mesh_view>()));
+        ask!(wsp_triangulation_view(t, &mut mesh));
+        // SAFETY: the views' arrays, which nothing changes meanwhile.
+        let (vertices, tetrahedra) = unsafe {
+            let faces = copy(view.faces, 3 * view.faces_count);
+            let edges = copy(view.edges, 2 * view.edges_count);
+            ([faces, edges].concat(), copy(view.face_tetrahedra, 2 * view.faces_count))
+        };
+        assert!(vertices.iter().all(|&v| (v as usize) < view.vertices_count));
+        assert!(view.vertices_count == 0 || view.vertices_count == mesh.points_count);
+        assert!(tetrahedra.iter().all(|&tet| tet == WSP_NONE || (tet as usize) < mesh.tetrahedra_count));
+    }
+
     /// The arrays of a triangulation, perhaps with a fault, as a host's.
     fn sample_mesh(&mut self, bytes: &mut Bytes) {
         let t = one_of(&self.triangulations, bytes);
@@ -454,7 +478,11 @@ impl Pool {
             3 | 4 if self.triangulations[slot].is_null() => {
                 let control = self.control(null_mut(), bytes);
                 let plc = one_of(&self.plcs, bytes);
-                let status = ask!(wsp_triangulation_from_plc(plc, null(), control, &mut self.triangulations[slot]));
+                // SAFETY: numbers.
+                let mut options: wsp_triangulation_options = unsafe { std::mem::zeroed() };
+                ask!(wsp_triangulation_options_init(&mut options, size_of::<wsp_triangulation_options>()));
+                options.keep_boundary = u32::from(bytes.byte() % 4 == 0);
+                let status = ask!(wsp_triangulation_from_plc(plc, &options, control, &mut self.triangulations[slot]));
                 assert_eq!(self.triangulations[slot].is_null(), status != WSP_DONE);
             }
             5 => {
@@ -529,7 +557,8 @@ pub fn run(data: &[u8]) {
             9 => pool.sample_mesh(&mut bytes),
             10 | 11 => pool.batch(&mut bytes),
             12 | 13 => pool.refine(&mut bytes),
-            _ => pool.make(&mut bytes),
+            14 => pool.make(&mut bytes),
+            _ => pool.boundary(&mut bytes),
         }
     }
     for t in &mut pool.triangulations {

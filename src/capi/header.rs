@@ -5,7 +5,7 @@
 use std::path::Path;
 
 /// The files in the order in which the header shall tell them.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "status",
     "options",
     "control",
@@ -13,6 +13,7 @@ const FILES: [&str; 12] = [
     "check",
     "triangulation",
     "view",
+    "boundary",
     "steps",
     "batch",
     "refine",

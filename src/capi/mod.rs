@@ -24,6 +24,7 @@
 
 mod args;
 pub mod batch;
+pub mod boundary;
 pub mod check;
 pub mod control;
 mod float_env;

@@ -84,6 +84,9 @@ pub struct wsp_triangulation_options {
     /// may use, the caller's among them: 0 for as many as there are processors, else up to 1024. Default: 1. The result
     /// is the same in every byte. Callbacks run on the caller's thread only.
     pub threads: u32,
+    /// 1 splits no segment or facet to recover it: wsp_triangulation_from_plc refuses a domain of which one is missing from the
+    /// Delaunay triangulation of its points, and names it (WSP_ERR_INVALID_DOMAIN). Default: 0.
+    pub keep_boundary: u32,
 }
 
 /// The most threads that may be asked for.
@@ -92,11 +95,12 @@ const MAX_THREADS: u32 = 1024;
 // SAFETY: repr(C), integers only, struct_size first.
 unsafe impl Sized_ for wsp_triangulation_options {
     const NAME: &'static str = "wsp_triangulation_options";
-    // The first version ended before `threads`.
-    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, threads), size_of::<Self>()];
+    // The first version ended before `threads`, the second behind it.
+    const SIZES: &'static [usize] =
+        &[std::mem::offset_of!(Self, threads), std::mem::offset_of!(Self, keep_boundary), size_of::<Self>()];
 
     fn defaults() -> Self {
-        wsp_triangulation_options { struct_size: 0, flags: 0, threads: 1 }
+        wsp_triangulation_options { struct_size: 0, flags: 0, threads: 1, keep_boundary: 0 }
     }
 }
 
@@ -108,6 +112,12 @@ impl wsp_triangulation_options {
         if self.threads > MAX_THREADS {
             let text = format!("threads is {}, expected 0 to {MAX_THREADS}", self.threads);
             return Err(Failure::new(WSP_ERR_OPTION, text));
+        }
+        if self.keep_boundary > 1 {
+            return Err(Failure::new(
+                WSP_ERR_OPTION,
+                format!("keep_boundary is {}, expected 0 or 1", self.keep_boundary),
+            ));
         }
         Ok(())
     }
@@ -162,8 +172,8 @@ pub struct wsp_refine_options {
     pub reserved: u32,
     /// The largest length of an edge of a tetrahedron. 0, the default, asks for nothing. See wsp_refine_sized for more.
     pub max_edge: f64,
-    /// 1 puts no Steiner points on segments and facets that are there; what could only be mended so is left and counted.
-    /// Default: 0.
+    /// 1 puts no Steiner points on segments and facets; what could only be mended so is left and counted. What the domain's recovery has put there when
+    /// it was made remains: wsp_triangulation_options has a `keep_boundary` too. Default: 0.
     pub keep_boundary: u32,
     /// Must be 0.
     pub reserved2: u32,

@@ -12,7 +12,7 @@ use super::triangulation::wsp_triangulation;
 use crate::{DVec3, RefineOptions, RefineReport, RefineStatus, Sizing};
 
 /// What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
-/// `tetrahedra` and `bad` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
+/// `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct wsp_report {
@@ -51,18 +51,26 @@ pub struct wsp_report {
     pub unrefined_boundary: usize,
     /// Those that would need an edge below the minimum length.
     pub unrefined_min_edge: usize,
-    /// Those that a vertex limit or a cancellation came before.
+    /// Those that a limit of vertices, seconds or memory came before.
     pub unrefined_limit: usize,
     /// Those for which rounding left no place.
     pub unrefined_rounding: usize,
     /// Tetrahedra, bad or not, that are larger than was asked for.
     pub too_large: usize,
+    /// Steiner points that lie on segments now: those of the domain's recovery and of earlier calls too.
+    pub on_segments: usize,
+    /// Steiner points that lie on facets now, but on no segment.
+    pub on_facets: usize,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
 unsafe impl Sized_ for wsp_report {
     const NAME: &'static str = "wsp_report";
-    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, unrefined_small_angle), size_of::<Self>()];
+    const SIZES: &'static [usize] = &[
+        std::mem::offset_of!(Self, unrefined_small_angle),
+        std::mem::offset_of!(Self, on_segments),
+        size_of::<Self>(),
+    ];
 
     fn defaults() -> Self {
         wsp_report {
@@ -86,6 +94,8 @@ unsafe impl Sized_ for wsp_report {
             unrefined_limit: 0,
             unrefined_rounding: 0,
             too_large: 0,
+            on_segments: 0,
+            on_facets: 0,
         }
     }
 }
@@ -125,6 +135,8 @@ impl From<&RefineReport> for wsp_report {
             unrefined_limit: limit,
             unrefined_rounding: rounding,
             too_large: report.too_large,
+            on_segments: report.on_segments,
+            on_facets: report.on_facets,
         }
     }
 }

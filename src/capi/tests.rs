@@ -1,6 +1,7 @@
 //! Tests of the C face through its own functions, as a C program calls them.
 
 mod abuse;
+mod boundary;
 mod domain;
 mod float;
 mod handles;
@@ -12,6 +13,7 @@ use std::ffi::{c_char, c_void, CStr};
 use std::ptr::{null, null_mut};
 
 use super::batch::*;
+use super::boundary::*;
 use super::control::*;
 use super::mesh_batch::*;
 use super::options::*;

@@ -117,15 +117,16 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 
 /// Triangulates a complex's points and makes the complex the domain. The vertex of the complex's point i is the
 /// one that wsp_triangulation_insert would give it. Segments and facets are recovered: where they are missing from the
-/// Delaunay triangulation they are split, so there may be more vertices than points.
+/// Delaunay triangulation they are split, so there may be more vertices than points: those on segments and facets are Steiner points, and
+/// wsp_triangulation_boundary tells which they are.
 ///
 /// `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
 /// WSP_CANCELLED.
 ///
-/// The domain is what the facets enclose, less the volumes around the seeds of holes. This version is made for convex
-/// domains: others may work, but their input is not checked for intersections. Where segments or facets meet at less
-/// than 60 degrees, tetrahedra between them may be left bad (WSP_UNREFINED).
+/// The domain is what the facets enclose, less the volumes around the seeds of holes; it need not be convex. It is checked exactly
+/// before anything is made of it, as wsp_plc_check does. Where segments or facets meet at less than 60 degrees, tetrahedra
+/// between them may be left bad (WSP_UNREFINED).
 ///
 /// Cost: that of inserting the points and splits.
 /// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_INVALID_DOMAIN, WSP_ERR_TOO_MANY,
@@ -144,7 +145,12 @@ pub unsafe extern "C" fn wsp_triangulation_from_plc(
         let options = sized::read(options, "options")?;
         options.check()?;
         let control = control::core(control)?;
-        match Mesh::from_plc_on(options.threads as usize, &plc, &control) {
+        let threads = options.threads as usize;
+        let made = match options.keep_boundary {
+            0 => Mesh::from_plc_on(threads, &plc, &control),
+            _ => Mesh::from_plc_kept(threads, &plc, &control),
+        };
+        match made {
             Ok(mesh) => give(mesh, out),
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
             Err(error) => return Err(error.into()),

@@ -72,7 +72,7 @@ pub unsafe extern "C" fn wsp_mesh_view_init(view: *mut wsp_mesh_view, size: usiz
     })
 }
 
-fn pointer<T, U>(items: &[T]) -> *const U {
+pub(super) fn pointer<T, U>(items: &[T]) -> *const U {
     if items.is_empty() {
         std::ptr::null()
     } else {

@@ -175,18 +175,34 @@ impl Boundary {
         }
     }
 
+    /// All subsegments as they are stored, lower vertex first; with the position of their segment.
+    pub(crate) fn each_subsegment(&self) -> impl Iterator<Item = ([u32; 2], u32)> + '_ {
+        self.subsegments.iter().map(|(&edge, &segment)| (edge, segment))
+    }
+
+    /// All subfacets as they are stored, vertices in order; with the position of their facet.
+    pub(crate) fn each_subfacet(&self) -> impl Iterator<Item = ([u32; 3], u32)> + '_ {
+        self.subfacets.iter().map(|(&face, &facet)| (face, facet))
+    }
+
     /// All subsegments, lower vertex first, in order; with the position of their segment.
     pub fn subsegments(&self) -> Vec<([u32; 2], u32)> {
-        let mut all: Vec<_> = self.subsegments.iter().map(|(&k, &s)| (k, s)).collect();
+        let mut all: Vec<_> = self.each_subsegment().collect();
         all.sort_unstable();
         all
     }
 
     /// All subfacets, vertices in order; with the position of their facet.
     pub fn subfacets(&self) -> Vec<([u32; 3], u32)> {
-        let mut all: Vec<_> = self.subfacets.iter().map(|(&k, &f)| (k, f)).collect();
+        let mut all: Vec<_> = self.each_subfacet().collect();
         all.sort_unstable();
         all
+    }
+
+    /// The position of the first facet that a subsegment borders or lies in.
+    pub(crate) fn facet_beside(&self, edge: [u32; 2]) -> Option<usize> {
+        let segment = self.subsegments.get(&edge_key(edge))?;
+        self.segments[*segment as usize].facets.first().map(|&facet| facet as usize)
     }
 
     /// How many subsegments and subfacets there are.

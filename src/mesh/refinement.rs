@@ -254,6 +254,8 @@ impl Mesh {
             samples: 0,
             segment_splits: 0,
             facet_splits: 0,
+            on_segments: 0,
+            on_facets: 0,
             removed: 0,
             replaced: 0,
             bad: 0,
@@ -300,6 +302,7 @@ impl Mesh {
                 report.unrefined[reason as usize] += 1;
             }
         }
+        [report.on_segments, report.on_facets] = self.steiner_on_boundary(control)?;
         report.worst_radius_edge = extremes.radius_edge;
         report.min_dihedral_degrees = extremes.dihedral_degrees;
         Ok(report)

@@ -179,6 +179,10 @@ pub struct RefineReport {
     pub segment_splits: usize,
     /// Steiner points of this call that split subfacets.
     pub facet_splits: usize,
+    /// Steiner points that lie on segments now: those of the domain's recovery and of earlier calls too.
+    pub on_segments: usize,
+    /// Steiner points that lie on facets now, but on no segment.
+    pub on_facets: usize,
     /// Steiner points that this call took away again without putting another in their place.
     pub removed: usize,
     /// Steiner points that this call put in the place of two each.
@@ -193,7 +197,7 @@ pub struct RefineReport {
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.
     pub min_dihedral_degrees: f64,
-    /// Whether the domain's tetrahedra have been looked at. After a cancellation they are not, for that takes a while: the numbers of tetrahedra
+    /// Whether the domain's tetrahedra have been looked at. After a cancellation they are not, for that takes a while: the numbers of tetrahedra and of points on segments and facets
     /// are 0 then, and the ratios NaN. [`Mesh::report`](crate::Mesh::report) makes up for it.
     pub measured: bool,
 }

@@ -19,6 +19,9 @@ pub struct Report {
     pub unrefined: Option<BTreeMap<&'static str, usize>>,
     /// How many are larger than was asked for.
     pub too_large: Option<usize>,
+    /// Steiner points on segments, those of the domain's recovery too, and on facets but on no segment.
+    pub on_segments: Option<usize>,
+    pub on_facets: Option<usize>,
     /// Null when a flat tetrahedron makes it infinite.
     pub worst_radius_edge: f64,
     pub min_dihedral_degrees: f64,
@@ -71,6 +74,11 @@ impl Report {
             let _ = writeln!(text, "{name:<20} {value}");
         };
         line("vertices", format!("{} ({} input, {} Steiner)", self.vertices, self.input_vertices, self.steiner));
+        if let (Some(segments @ 1..), Some(facets)) | (Some(segments), Some(facets @ 1..)) =
+            (self.on_segments, self.on_facets)
+        {
+            line("", format!("{segments} on segments, {facets} on facets"));
+        }
         line("tetrahedra", self.tetrahedra.to_string());
         if let (Some(bad), Some(bound), Some(rule)) = (self.bad, self.radius_edge, self.rule) {
             line("bad", format!("{bad} above radius-edge {bound}, rule {rule}"));
@@ -101,6 +109,8 @@ mod tests {
             bad: Some(0),
             unrefined: Some(BTreeMap::from([("boundary", 2)])),
             too_large: Some(0),
+            on_segments: Some(3),
+            on_facets: Some(4),
             worst_radius_edge: 1.5,
             min_dihedral_degrees: 0.25,
             rule: Some("paper"),
@@ -108,18 +118,20 @@ mod tests {
             status: "done",
             seconds: Seconds::default(),
         };
-        let json = r#"{"input_vertices":10,"vertices":30,"tetrahedra":99,"steiner":20,"bad":0,"unrefined":{"boundary":2},"too_large":0,"worst_radius_edge":1.5,"min_dihedral_degrees":0.25,"rule":"paper","radius_edge":2.0,"status":"done","seconds":{"read":0.0,"delaunay":0.0,"refine":0.0,"write":0.0}}"#;
+        let json = r#"{"input_vertices":10,"vertices":30,"tetrahedra":99,"steiner":20,"bad":0,"unrefined":{"boundary":2},"too_large":0,"on_segments":3,"on_facets":4,"worst_radius_edge":1.5,"min_dihedral_degrees":0.25,"rule":"paper","radius_edge":2.0,"status":"done","seconds":{"read":0.0,"delaunay":0.0,"refine":0.0,"write":0.0}}"#;
         assert_eq!(report.json(), json);
         let delaunay = Report {
             bad: None,
             unrefined: None,
             too_large: None,
+            on_segments: None,
+            on_facets: None,
             rule: None,
             radius_edge: None,
             worst_radius_edge: f64::INFINITY,
             ..report
         };
-        assert!(delaunay.json().contains(r#""bad":null,"unrefined":null,"too_large":null,"worst_radius_edge":null,"#));
+        assert!(delaunay.json().contains(r#""bad":null,"unrefined":null,"too_large":null,"on_segments":null,"on_facets":null,"worst_radius_edge":null,"#));
         assert!(!delaunay.text().contains("bad"));
     }
 }

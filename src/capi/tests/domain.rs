@@ -3,10 +3,10 @@
 use super::*;
 use crate::{Plc, PlcSegment};
 
-struct OwnedPlc(*mut wsp_plc);
+pub(super) struct OwnedPlc(pub *mut wsp_plc);
 
 impl OwnedPlc {
-    fn new() -> OwnedPlc {
+    pub fn new() -> OwnedPlc {
         let mut plc = null_mut();
         // SAFETY: `plc` may be written.
         done(unsafe { wsp_plc_new(&mut plc) });
@@ -164,7 +164,7 @@ fn holes_and_regions() {
     assert_eq!(core.regions[0].attribute, -3.5);
 }
 
-fn box_with(points: &[[f64; 3]]) -> OwnedPlc {
+pub(super) fn box_with(points: &[[f64; 3]]) -> OwnedPlc {
     let plc = OwnedPlc::new();
     // SAFETY: a live handle, arrays of the sizes given.
     unsafe {
