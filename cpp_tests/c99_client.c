@@ -459,6 +459,514 @@ static void test_control(void) {
     free(xyz);
 }
 
+/* Everything that is wrong with a complex: its kind, the elements, and where. */
+static void expect_defect(const wsp_check *found, wsp_defect_kind kind, uint32_t is_error, wsp_element one, wsp_element other,
+                          double x, double y, double z, double measure, const char *text) {
+    const size_t count = wsp_check_count(found, NULL);
+    size_t i, matches = 0;
+    for (i = 0; i < count; ++i) {
+        wsp_defect defect;
+        const uint32_t elements = other.kind == WSP_ELEMENT_DOMAIN ? 1 : 2;
+        DONE(wsp_defect_init(&defect, sizeof defect));
+        DONE(wsp_check_defect(found, i, &defect));
+        if (defect.kind == kind && defect.is_error == is_error && defect.element_count == elements &&
+            memcmp(&defect.elements[0], &one, sizeof one) == 0 &&
+            (elements == 1 || memcmp(&defect.elements[1], &other, sizeof other) == 0) && defect.place[0] == x &&
+            defect.place[1] == y && defect.place[2] == z && fabs(defect.measure - measure) <= 1e-15 &&
+            strstr(wsp_check_text(found, i), text) != NULL)
+            ++matches;
+    }
+    if (matches != 1) (void)fprintf(stderr, "defect %lu at %g %g %g:\n", (unsigned long)kind, x, y, z);
+    CHECK(matches == 1);
+}
+
+static wsp_element facet(uint32_t index) {
+    wsp_element element;
+    element.kind = WSP_ELEMENT_FACET;
+    element.index = index;
+    return element;
+}
+
+static void test_check(void) {
+    /* Facet 1 stands across facet 0, point 6 is where point 1 is, and corner 8 of facet 2 is off the plane of the three others. All
+       facets end in the open. */
+    static const double xyz[] = {0, 0, 0, 4, 0, 0,  0,  4, 0, 1,  1, -1, 1,  1,    1, 9, 9,
+                                 0, 4, 0, 0, 10, 0, 0, 11, 0, 0, 11, 1, 0.25, 10, 1, 0};
+    static const uint32_t corners[] = {0, 1, 2, 3, 4, 5, 7, 8, 9, 10};
+    static const size_t starts[] = {0, 3, 6, 10};
+    static const wsp_element none = {WSP_ELEMENT_DOMAIN, 0}, point_6 = {WSP_ELEMENT_POINT, 6}, point_1 = {WSP_ELEMENT_POINT, 1};
+    /* A corner of a cube cut off. */
+    static const double corner[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint32_t sides[] = {0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3};
+    static const size_t side_starts[] = {0, 3, 6, 9, 12};
+    const double pi = acos(-1);
+    wsp_plc *plc = NULL, *tetrahedron = NULL;
+    wsp_check *found = NULL;
+    wsp_control *control = NULL;
+    wsp_triangulation *t = NULL;
+    wsp_defect defect;
+    size_t errors = 99, i;
+
+    STATUS(WSP_ERR_NULL, wsp_defect_init(NULL, sizeof defect));
+    STATUS(WSP_ERR_STRUCT_SIZE, wsp_defect_init(&defect, sizeof defect - 1));
+    DONE(wsp_defect_init(&defect, sizeof defect));
+    CHECK(defect.struct_size == sizeof defect && defect.kind == 0 && defect.is_error == 0 && defect.element_count == 0);
+
+    DONE(wsp_plc_new(&plc));
+    DONE(wsp_plc_check(plc, &found));
+    CHECK(wsp_check_count(found, &errors) == 0 && errors == 0 && wsp_check_text(found, 0) == NULL);
+    DONE(wsp_check_angle(found, 0, &defect));
+    CHECK(isnan(defect.measure) && defect.element_count == 0 && isnan(defect.place[0]));
+    wsp_check_free(found);
+
+    DONE(wsp_plc_add_points(plc, xyz, sizeof xyz / sizeof *xyz / 3, NULL, NULL));
+    DONE(wsp_plc_add_facets(plc, corners, starts, 3, NULL, 3, NULL, NULL));
+    STATUS(WSP_ERR_NULL, wsp_plc_check(plc, NULL));
+    STATUS(WSP_ERR_NULL, wsp_plc_check(NULL, &found));
+    CHECK(found == NULL);
+    DONE(wsp_plc_check(plc, &found));
+    CHECK(wsp_check_count(found, &errors) == 10 && errors == 3);
+    expect_defect(found, WSP_DEFECT_NOT_PLANAR, 1, facet(2), none, 11, 0, 0, 1 / sqrt(17), "facet 2: is not planar");
+    expect_defect(found, WSP_DEFECT_SEGMENT_THROUGH_FACET, 1, facet(0), facet(1), 2, 2, 0, 0, "facet 0: goes through facet 1");
+    expect_defect(found, WSP_DEFECT_SEGMENT_THROUGH_FACET, 1, facet(1), facet(0), 1, 1, 0, 0, "facet 1: goes through facet 0");
+    expect_defect(found, WSP_DEFECT_DUPLICATE_POINT, 0, point_6, point_1, 4, 0, 0, 0, "point 6");
+    /* The middles of the open edges, of facets that are usable by themselves. */
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(0), none, 2, 0, 0, 1, "facet 0");
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(0), none, 2, 2, 0, 1, "facet 0");
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(0), none, 0, 2, 0, 1, "facet 0");
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(1), none, 1, 1, 0, 1, "facet 1");
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(1), none, 5, 5, 0.5, 1, "facet 1");
+    expect_defect(found, WSP_DEFECT_OPEN_EDGE, 0, facet(1), none, 5, 5, -0.5, 1, "facet 1");
+    for (i = 0; i < 10; ++i) {
+        /* Errors first. */
+        DONE(wsp_check_defect(found, i, &defect));
+        CHECK(defect.is_error == (i < errors) && (defect.kind < WSP_DEFECT_DUPLICATE_POINT) == (i < errors));
+    }
+    STATUS(WSP_ERR_ARGUMENT, wsp_check_defect(found, 10, &defect));
+    STATUS(WSP_ERR_NULL, wsp_check_defect(found, 0, NULL));
+    CHECK(wsp_check_text(found, 10) == NULL);
+    /* At the far corner of facet 1. No two facets meet at an edge. */
+    DONE(wsp_check_angle(found, 0, &defect));
+    CHECK(fabs(defect.measure - acos(127.0 / 129) * 180 / pi) < 1e-9 && defect.kind == 0 && defect.element_count == 2);
+    CHECK(defect.elements[0].kind == WSP_ELEMENT_FACET && defect.elements[0].index == 1 && defect.elements[1].index == 1);
+    CHECK(defect.place[0] == 9 && defect.place[1] == 9 && defect.place[2] == 0);
+    DONE(wsp_check_angle(found, 1, &defect));
+    CHECK(isnan(defect.measure) && defect.element_count == 0);
+    STATUS(WSP_ERR_ARGUMENT, wsp_check_angle(found, 2, &defect));
+    wsp_check_free(found);
+    /* The first of the errors is what such a complex is refused with. */
+    STATUS(WSP_ERR_INVALID_DOMAIN, wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    CHECK(strstr(wsp_last_error(), "facet 2") != NULL && strstr(wsp_last_error(), "not planar") != NULL);
+
+    DONE(wsp_plc_new(&tetrahedron));
+    DONE(wsp_plc_add_points(tetrahedron, corner, 4, NULL, NULL));
+    DONE(wsp_plc_add_facets(tetrahedron, sides, side_starts, 4, NULL, 4, NULL, NULL));
+    DONE(wsp_plc_check_within(tetrahedron, NULL, &found));
+    CHECK(wsp_check_count(found, &errors) == 0 && errors == 0);
+    DONE(wsp_check_angle(found, 0, &defect));
+    CHECK(fabs(defect.measure - 45) < 1e-9);
+    DONE(wsp_check_angle(found, 1, &defect));
+    CHECK(fabs(defect.measure - atan(sqrt(2)) * 180 / pi) < 1e-9 && defect.element_count == 2);
+    CHECK(defect.elements[0].index == 3 || defect.elements[1].index == 3);
+    wsp_check_free(found);
+
+    DONE(wsp_control_new(NULL, NULL, &control));
+    DONE(wsp_control_cancel(control));
+    STATUS(WSP_CANCELLED, wsp_plc_check_within(plc, control, &found));
+    CHECK(found == NULL);
+    DONE(wsp_control_reset(control));
+    DONE(wsp_plc_check_within(plc, control, &found));
+    CHECK(wsp_check_count(found, &errors) == 10 && errors == 3);
+    wsp_check_free(found);
+    wsp_control_free(control);
+
+    wsp_check_free(NULL);
+    errors = 99;
+    CHECK(wsp_check_count(NULL, &errors) == 0 && errors == 0 && wsp_check_text(NULL, 0) == NULL);
+    STATUS(WSP_ERR_NULL, wsp_check_defect(NULL, 0, &defect));
+    STATUS(WSP_ERR_NULL, wsp_check_angle(NULL, 0, &defect));
+    wsp_plc_free(tetrahedron);
+    wsp_plc_free(plc);
+}
+
+/* A cube of twelve triangles; `top` is the marker of one of the two at the top. */
+static wsp_plc *triangles(int32_t top) {
+    static const uint32_t corners[] = {0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                       2, 3, 7, 2, 7, 6, 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6};
+    double xyz[24];
+    size_t starts[13], i;
+    int32_t markers[12] = {0};
+    wsp_plc *plc = NULL;
+    for (i = 0; i < 24; ++i) xyz[i] = (double)(i / 3 >> i % 3 & 1);
+    for (i = 0; i < 13; ++i) starts[i] = 3 * i;
+    markers[11] = top;
+    DONE(wsp_plc_new(&plc));
+    DONE(wsp_plc_add_points(plc, xyz, 8, NULL, NULL));
+    DONE(wsp_plc_add_facets(plc, corners, starts, 12, NULL, 12, markers, NULL));
+    return plc;
+}
+
+static void test_join(void) {
+    static const uint32_t diagonal[2] = {0, 6};
+    wsp_plc *plc = triangles(0);
+    wsp_control *control = NULL;
+    wsp_triangulation *t = NULL;
+    wsp_refine_options options;
+    wsp_report report;
+    size_t facets = 99;
+    STATUS(WSP_ERR_ARGUMENT, wsp_plc_join_coplanar(plc, -1, &facets));
+    STATUS(WSP_ERR_ARGUMENT, wsp_plc_join_coplanar(plc, 90.5, &facets));
+    STATUS(WSP_ERR_NULL, wsp_plc_join_coplanar(NULL, 1, &facets));
+    DONE(wsp_control_new(NULL, NULL, &control));
+    DONE(wsp_control_cancel(control));
+    STATUS(WSP_CANCELLED, wsp_plc_join_coplanar_within(plc, 1, control, NULL));
+    DONE(wsp_plc_counts(plc, NULL, NULL, &facets));
+    CHECK(facets == 12);
+    wsp_control_free(control);
+    DONE(wsp_plc_join_coplanar(plc, 1, &facets));
+    CHECK(facets == 6);
+    facets = 99;
+    DONE(wsp_plc_counts(plc, NULL, NULL, &facets));
+    CHECK(facets == 6);
+    DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    check_view(t, 1);
+    wsp_triangulation_free(t);
+    wsp_plc_free(plc);
+
+    /* Neither facets of different markers, nor across a segment of the list. */
+    plc = triangles(7);
+    DONE(wsp_plc_add_segments(plc, diagonal, 1, NULL));
+    DONE(wsp_plc_join_coplanar_within(plc, 1, NULL, &facets));
+    CHECK(facets == 8);
+    DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    check_view(t, 1);
+    /* The diagonal is a segment still: sizes cut it. */
+    DONE(wsp_refine_options_init(&options, sizeof options));
+    DONE(wsp_report_init(&report, sizeof report));
+    options.max_edge = 0.5;
+    DONE(wsp_refine(t, &options, NULL, &report));
+    CHECK(report.segment_splits > 0 && report.too_large == 0);
+    wsp_triangulation_free(t);
+    wsp_plc_free(plc);
+}
+
+/* Two cubes side by side in x, 0 to 1 and 1 to 2, each a region. */
+static wsp_triangulation *two_cubes(void) {
+    static const uint32_t corners[] = {0, 1, 4, 3, 1, 2, 5, 4, 6, 7, 10, 9, 7, 8, 11, 10, 0, 1, 7, 6, 1, 2, 8, 7,
+                                       3, 4, 10, 9, 4, 5, 11, 10, 0, 3, 9, 6, 2, 5, 11, 8, 1, 4, 10, 7};
+    static const double left[3] = {0.5, 0.5, 0.5}, right[3] = {1.5, 0.5, 0.5};
+    double xyz[36];
+    size_t starts[12], i;
+    wsp_plc *plc = NULL;
+    wsp_triangulation *t = NULL;
+    for (i = 0; i < 12; ++i) {
+        xyz[3 * i] = (double)(i % 3);
+        xyz[3 * i + 1] = (double)(i / 3 % 2);
+        xyz[3 * i + 2] = i < 6 ? 0 : 1;
+        starts[i] = 4 * i;
+    }
+    DONE(wsp_plc_new(&plc));
+    DONE(wsp_plc_add_points(plc, xyz, 12, NULL, NULL));
+    DONE(wsp_plc_add_facets(plc, corners, starts, 11, NULL, 11, NULL, NULL));
+    DONE(wsp_plc_add_region(plc, left, 1, 0));
+    DONE(wsp_plc_add_region(plc, right, 2, 0));
+    DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    wsp_plc_free(plc);
+    return t;
+}
+
+/* Of the tetrahedra whose centroids are from x `from` to `to`: the longest edge, and how many they are. */
+static double longest_edge(const wsp_triangulation *t, double from, double to, size_t *count) {
+    wsp_mesh_view view;
+    size_t i;
+    double longest = 0;
+    *count = 0;
+    DONE(wsp_mesh_view_init(&view, sizeof view));
+    DONE(wsp_triangulation_view(t, &view));
+    for (i = 0; i < view.tetrahedra_count; ++i) {
+        const uint32_t *v = view.tetrahedra + 4 * i;
+        double x = 0;
+        size_t a, b, k;
+        for (a = 0; a < 4; ++a) x += view.points[3 * (size_t)v[a]] / 4;
+        if (x < from || x > to) continue;
+        ++*count;
+        CHECK(view.regions[i] == (x < 1 ? 1u : 2u));
+        for (a = 0; a < 4; ++a)
+            for (b = a + 1; b < 4; ++b) {
+                double squared = 0;
+                for (k = 0; k < 3; ++k) {
+                    const double d = view.points[3 * (size_t)v[a] + k] - view.points[3 * (size_t)v[b] + k];
+                    squared += d * d;
+                }
+                longest = fmax(longest, sqrt(squared));
+            }
+    }
+    return longest;
+}
+
+struct asked {
+    size_t calls;
+    size_t points;
+    size_t most;
+    int outside;
+};
+
+/* From 0.1 at x 0 to 0.9 at x 2. */
+static double size_at(double x) { return 0.1 + 0.4 * x; }
+
+static void ask(void *user, const double *xyz, size_t n, double *max_edge) {
+    struct asked *asked = user;
+    size_t i;
+    ++asked->calls;
+    asked->points += n;
+    if (n > asked->most) asked->most = n;
+    for (i = 0; i < n; ++i) {
+        const double *p = xyz + 3 * i;
+        if (p[0] < 0 || p[0] > 2 || p[1] < 0 || p[1] > 1 || p[2] < 0 || p[2] > 1) asked->outside = 1;
+        max_edge[i] = size_at(p[0]);
+    }
+}
+
+/* Refines with these sizes and checks what holds in each case. The caller frees the result. */
+static wsp_triangulation *refine_sized(const wsp_refine_options *options, const wsp_sizing *sizing) {
+    wsp_triangulation *t = two_cubes();
+    wsp_report report;
+    DONE(wsp_report_init(&report, sizeof report));
+    DONE(wsp_refine_sized(t, options, sizing, NULL, &report));
+    CHECK(report.bad == 0 && report.too_large == 0 && report.removed == 0 && report.replaced == 0);
+    DONE(wsp_triangulation_validate(t, WSP_VALIDATE_QUALITY, 2));
+    check_view(t, 2);
+    return t;
+}
+
+static void test_sizes(void) {
+    const double regions[2] = {0.2, 0}, more_regions[3] = {0, 0.2, 0.1};
+    double vertices[12];
+    wsp_sizing sizing;
+    wsp_refine_options options;
+    wsp_triangulation *t = NULL;
+    struct asked asked = {0, 0, 0, 0};
+    size_t count = 0, few = 0, i;
+    double longest;
+
+    STATUS(WSP_ERR_NULL, wsp_sizing_init(NULL, sizeof sizing));
+    STATUS(WSP_ERR_STRUCT_SIZE, wsp_sizing_init(&sizing, sizeof sizing + 8));
+    DONE(wsp_sizing_init(&sizing, sizeof sizing));
+    CHECK(sizing.struct_size == sizeof sizing && sizing.region_count == 0 && sizing.vertex_count == 0);
+    CHECK(sizing.region_max_edge == NULL && sizing.vertex_max_edge == NULL && sizing.callback == NULL);
+    DONE(wsp_refine_options_init(&options, sizeof options));
+
+    /* Nothing is asked for: the cubes stay as they are. */
+    t = refine_sized(NULL, &sizing);
+    CHECK(longest_edge(t, 0, 2, &few) >= 1);
+    CHECK(few < 50);
+    wsp_triangulation_free(t);
+
+    /* The same everywhere. */
+    options.max_edge = 0.3;
+    t = refine_sized(&options, &sizing);
+    longest = longest_edge(t, 0, 2, &count);
+    CHECK(longest <= 0.3 && longest > 0.15 && count > 20 * few);
+    wsp_triangulation_free(t);
+    options.max_edge = 0;
+
+    /* One cube gets small tetrahedra, the other large ones. */
+    sizing.region_max_edge = regions;
+    sizing.region_count = 2;
+    t = refine_sized(&options, &sizing);
+    CHECK(longest_edge(t, 0, 1, &count) <= 0.2);
+    CHECK(longest_edge(t, 1, 2, &few) > 0.6);
+    CHECK(count > 5 * few && few > 0);
+    wsp_triangulation_free(t);
+    /* The other way round; what there is no region for asks for nothing. */
+    sizing.region_max_edge = more_regions;
+    sizing.region_count = 3;
+    t = refine_sized(&options, &sizing);
+    CHECK(longest_edge(t, 0, 1, &few) > 0.6);
+    CHECK(longest_edge(t, 1, 2, &count) <= 0.2);
+    CHECK(count > 5 * few && few > 0);
+    wsp_triangulation_free(t);
+    sizing.region_max_edge = NULL;
+    sizing.region_count = 0;
+
+    /* By the vertices: everywhere the same, then small at x 0 and large at x 2. */
+    for (i = 0; i < 12; ++i) vertices[i] = 0.3;
+    sizing.vertex_max_edge = vertices;
+    sizing.vertex_count = 12;
+    t = refine_sized(&options, &sizing);
+    CHECK(longest_edge(t, 0, 2, &count) <= 0.3 * (1 + 1e-9));
+    wsp_triangulation_free(t);
+    for (i = 0; i < 12; ++i) vertices[i] = size_at((double)(i % 3));
+    t = refine_sized(&options, &sizing);
+    CHECK(longest_edge(t, 0, 0.25, &count) < 0.5 * longest_edge(t, 1.75, 2, &few));
+    CHECK(count > 2 * few && few > 0);
+    CHECK(longest_edge(t, 0, 2, &count) <= size_at(2));
+    wsp_triangulation_free(t);
+    sizing.vertex_max_edge = NULL;
+    sizing.vertex_count = 0;
+
+    /* By a callback, at many points at once. Cut into slices, each is as small as asked for at its far end. */
+    sizing.callback = ask;
+    sizing.user = &asked;
+    t = refine_sized(&options, &sizing);
+    CHECK(asked.calls > 0 && asked.most > 20 && !asked.outside);
+    for (i = 0; i < 8; ++i) {
+        CHECK(longest_edge(t, 0.25 * (double)i, 0.25 * (double)(i + 1), &count) <= size_at(0.25 * (double)(i + 1)));
+        CHECK(count > 0);
+    }
+    CHECK(longest_edge(t, 1.75, 2, &few) > 0.4);
+    longest_edge(t, 0, 0.25, &count);
+    CHECK(asked.points >= count && count > 5 * few);
+    wsp_triangulation_free(t);
+
+    /* Of several the smallest counts. */
+    sizing.region_max_edge = more_regions;
+    sizing.region_count = 2;
+    options.max_edge = 0.4;
+    t = refine_sized(&options, &sizing);
+    CHECK(longest_edge(t, 0, 0.25, &count) <= size_at(0.25));
+    CHECK(longest_edge(t, 0.75, 1, &count) <= 0.4);
+    CHECK(longest_edge(t, 1, 2, &count) <= 0.2);
+    wsp_triangulation_free(t);
+
+    t = two_cubes();
+    sizing.reserved = 1;
+    STATUS(WSP_ERR_OPTION, wsp_refine_sized(t, &options, &sizing, NULL, NULL));
+    sizing.reserved = 0;
+    sizing.region_max_edge = NULL;
+    STATUS(WSP_ERR_NULL, wsp_refine_sized(t, &options, &sizing, NULL, NULL));
+    sizing.struct_size = 4;
+    STATUS(WSP_ERR_STRUCT_SIZE, wsp_refine_sized(t, &options, &sizing, NULL, NULL));
+    STATUS(WSP_ERR_NULL, wsp_refine_sized(NULL, &options, NULL, NULL, NULL));
+    CHECK(longest_edge(t, 0, 2, &count) >= 1);
+    wsp_triangulation_free(t);
+}
+
+/* The predicates, and a round of refinement on plain arrays: the triangulation's own, as a host's. */
+static void test_arrays(void) {
+    static const double a[3] = {0, 0, 0}, b[3] = {1, 0, 0}, c[3] = {0, 1, 0}, d[3] = {0, 0, 1};
+    static const double inside[3] = {0.5, 0.5, 0.5}, on[3] = {1, 1, 1}, outside[3] = {1, 1, 1.0000000000000002};
+    /* A regular tetrahedron, and a flat one that is far from it. */
+    static const double two[24] = {0, 0, 0, 1, 1, 0, 1, 0, 1, 0, 1, 1, 0, 0, 0, 1, 0, 0, 40, 40, 0, 40, 0, 40};
+    wsp_plc *plc = boxed(100);
+    wsp_triangulation *t = NULL;
+    wsp_mesh_view view;
+    wsp_mesh_batch *batch = NULL;
+    wsp_refine_options options;
+    const wsp_steiner_point *points;
+    const wsp_edge *edges;
+    wsp_edge own[1];
+    size_t n, i, count = 99, own_count = 99;
+    int32_t sign = 9;
+    uint8_t bad[2] = {9, 9};
+
+    DONE(wsp_orientation(a, b, c, d, &sign));
+    CHECK(sign == 1);
+    DONE(wsp_orientation(a, c, b, d, &sign));
+    CHECK(sign == -1);
+    DONE(wsp_orientation(a, b, c, b, &sign));
+    CHECK(sign == 0);
+    DONE(wsp_side_of_sphere(a, b, c, d, inside, &sign));
+    CHECK(sign == 1);
+    DONE(wsp_side_of_sphere(a, b, c, d, on, &sign));
+    CHECK(sign == 0);
+    DONE(wsp_side_of_sphere(a, b, c, d, outside, &sign));
+    CHECK(sign == -1);
+    DONE(wsp_bad_tetrahedra(two, 2, 2, bad));
+    CHECK(bad[0] == 0 && bad[1] == 1);
+    DONE(wsp_bad_tetrahedra(two, 2, 0.62, bad));
+    CHECK(bad[0] == 0);
+    STATUS(WSP_ERR_OPTION, wsp_bad_tetrahedra(two, 2, 0.5, bad));
+
+    DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    wsp_plc_free(plc);
+    DONE(wsp_mesh_view_init(&view, sizeof view));
+    DONE(wsp_triangulation_view(t, &view));
+    DONE(wsp_sample_mesh(&view, NULL, NULL, &batch));
+    n = wsp_mesh_batch_count(batch);
+    points = wsp_mesh_batch_points(batch);
+    edges = wsp_mesh_batch_bad_edges(batch, &count);
+    CHECK(n > 0 && points != NULL && wsp_mesh_batch_refused(batch) == 0);
+    STATUS(WSP_INCOMPLETE, wsp_bad_short_edges(t, 2, own, 1, &own_count));
+    CHECK(count == own_count && memcmp(edges, own, sizeof *own) == 0);
+    for (i = 0; i < n; ++i) {
+        const uint32_t *v = view.tetrahedra + 4 * (size_t)points[i].tetrahedron;
+        CHECK(points[i].tetrahedron < view.tetrahedra_count && points[i].origin.kind <= WSP_ORIGIN_SUBFACET);
+        DONE(wsp_side_of_sphere(view.points + 3 * (size_t)v[0], view.points + 3 * (size_t)v[1], view.points + 3 * (size_t)v[2],
+                                view.points + 3 * (size_t)v[3], points[i].xyz, &sign));
+        CHECK(sign > 0);
+    }
+    wsp_mesh_batch_free(batch);
+
+    /* A mesh of no bad tetrahedra and no encroached boundary has no points. The pass over Steiner points leaves encroached facets. */
+    DONE(wsp_refine_options_init(&options, sizeof options));
+    options.sparsify = WSP_SPARSIFY_OFF;
+    DONE(wsp_refine(t, &options, NULL, NULL));
+    DONE(wsp_triangulation_view(t, &view));
+    DONE(wsp_sample_mesh(&view, NULL, NULL, &batch));
+    CHECK(wsp_mesh_batch_count(batch) == 0 && wsp_mesh_batch_bad_edges(batch, &count) == NULL && count == 0);
+    wsp_mesh_batch_free(batch);
+    wsp_triangulation_free(t);
+    wsp_mesh_batch_free(NULL);
+    CHECK(wsp_mesh_batch_count(NULL) == 0 && wsp_mesh_batch_points(NULL) == NULL && wsp_mesh_batch_refused(NULL) == 0);
+}
+
+static void count_line(void *user, uint32_t level, const char *text) {
+    CHECK((level == WSP_LOG_INFO || level == WSP_LOG_WARNING) && text[0] != '\0');
+    ++*(size_t *)user;
+}
+
+/* The calls that end in _within: cancelled they leave everything as it was, and otherwise they do as those without a control. */
+static void test_within(void) {
+    const size_t n = 2000;
+    double *xyz = random_points(n);
+    size_t lines = 0, vertices = 0, count = 99;
+    uint32_t has_domain = 9;
+    wsp_control *control = NULL;
+    wsp_triangulation *t = NULL, *copy = NULL;
+    wsp_mesh_view view;
+    wsp_edge edge = {{77, 78}};
+    DONE(wsp_control_new(NULL, NULL, &control));
+    DONE(wsp_control_set_log(control, count_line, &lines));
+    DONE(wsp_triangulation_new(NULL, &t));
+    DONE(wsp_triangulation_insert(t, xyz, n, NULL, control));
+    CHECK(lines > 0);
+    DONE(wsp_control_set_log(control, NULL, NULL));
+    free(xyz);
+    DONE(wsp_mesh_view_init(&view, sizeof view));
+
+    DONE(wsp_control_cancel(control));
+    STATUS(WSP_CANCELLED, wsp_triangulation_clone_within(t, control, &copy));
+    CHECK(copy == NULL);
+    STATUS(WSP_CANCELLED, wsp_triangulation_remove_within(t, 5, control));
+    STATUS(WSP_CANCELLED, wsp_triangulation_use_hull_as_domain_within(t, control));
+    STATUS(WSP_CANCELLED, wsp_triangulation_validate_within(t, WSP_VALIDATE_DELAUNAY, 0, control));
+    STATUS(WSP_CANCELLED, wsp_triangulation_view_within(t, &view, control));
+    CHECK(view.points == NULL && view.points_count == 0);
+    STATUS(WSP_CANCELLED, wsp_bad_short_edges_within(t, 2, control, &edge, 1, &count));
+    CHECK(count == 99 && edge.vertices[0] == 77);
+    DONE(wsp_triangulation_counts(t, &vertices, NULL));
+    DONE(wsp_triangulation_has_domain(t, &has_domain));
+    CHECK(vertices == n && has_domain == 0);
+
+    DONE(wsp_control_reset(control));
+    DONE(wsp_triangulation_clone_within(t, control, &copy));
+    DONE(wsp_triangulation_remove_within(copy, 5, control));
+    DONE(wsp_triangulation_counts(copy, &vertices, NULL));
+    CHECK(vertices == n - 1);
+    DONE(wsp_triangulation_use_hull_as_domain_within(copy, control));
+    DONE(wsp_triangulation_has_domain(copy, &has_domain));
+    CHECK(has_domain == 1);
+    DONE(wsp_triangulation_validate_within(copy, WSP_VALIDATE_DELAUNAY, 0, control));
+    DONE(wsp_triangulation_view_within(copy, &view, control));
+    CHECK(view.points_count == n && view.tetrahedra_count > n && isnan(view.points[15]));
+    STATUS(WSP_INCOMPLETE, wsp_bad_short_edges_within(copy, 2, control, &edge, 1, &count));
+    CHECK(count > 1 && count != 99 && edge.vertices[0] < edge.vertices[1]);
+    wsp_triangulation_free(copy);
+    wsp_triangulation_free(t);
+    wsp_control_free(control);
+}
+
 int main(void) {
     test_versions();
     test_points();
@@ -467,6 +975,11 @@ int main(void) {
     test_steps();
     test_sampler();
     test_control();
+    test_check();
+    test_join();
+    test_sizes();
+    test_arrays();
+    test_within();
     printf("%d checks, %d failures\n", checks, failures);
     return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

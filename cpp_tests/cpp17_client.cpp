@@ -332,6 +332,252 @@ void test_control() {
     CHECK(thrown([&] { wsp::triangulation cancelled(boxed(10), silent); }) == WSP_CANCELLED);
 }
 
+void test_check() {
+    wsp::plc broken;
+    // A facet that stands across another, and a point that is there twice.
+    broken.add_points(std::vector<wsp::point>{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}, {9, 9, 0}, {4, 0, 0}});
+    broken.add_facet({0, 1, 2});
+    broken.add_facet({3, 4, 5});
+    const wsp::plc_check found = broken.check();
+    CHECK(found.errors == 2 && found.defects.size() == 9);
+    std::size_t through = 0, open = 0, twice = 0;
+    for (const wsp::defect& d : found.defects) {
+        CHECK(!d.text.empty() && d.is_error == (d.kind < WSP_DEFECT_DUPLICATE_POINT));
+        if (d.kind == WSP_DEFECT_SEGMENT_THROUGH_FACET) {
+            ++through;
+            CHECK(d.elements.size() == 2 && d.elements[0].kind == WSP_ELEMENT_FACET && d.is_error);
+            CHECK(d.place == (d.elements[0].index == 0 ? wsp::point{2, 2, 0} : wsp::point{1, 1, 0}));
+        } else if (d.kind == WSP_DEFECT_OPEN_EDGE) {
+            ++open;
+            CHECK(d.elements.size() == 1 && d.measure == 1);
+        } else if (d.kind == WSP_DEFECT_DUPLICATE_POINT) {
+            ++twice;
+            CHECK(d.elements.size() == 2 && d.elements[0].index + d.elements[1].index == 7 && d.place == wsp::point{4, 0, 0});
+        }
+    }
+    CHECK(through == 2 && open == 6 && twice == 1);
+    CHECK(std::abs(found.segment_angle.degrees - std::acos(127. / 129) * 180 / std::acos(-1.)) < 1e-9);
+    CHECK(found.segment_angle.place == wsp::point{9, 9, 0} && found.segment_angle.elements.size() == 2);
+    CHECK(std::isnan(found.facet_angle.degrees) && found.facet_angle.elements.empty());
+
+    const wsp::plc_check good = boxed(10).check();
+    CHECK(good.errors == 0 && good.defects.empty() && good.facet_angle.degrees == 90 && good.facet_angle.elements.size() == 2);
+    wsp::control control;
+    CHECK(broken.check(control).errors == 2);
+    control.cancel();
+    CHECK(thrown([&] { broken.check(control); }) == WSP_CANCELLED);
+
+    // A cube of triangles.
+    wsp::plc cube;
+    for (int i = 0; i < 8; ++i) cube.add_points(wsp::point{i & 1 ? 1.0 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0});
+    for (const auto& side : {std::array<std::uint32_t, 4>{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}}) {
+        cube.add_facet({side[0], side[1], side[2]});
+        cube.add_facet({side[0], side[2], side[3]});
+    }
+    CHECK(cube.join_coplanar(1, control) == WSP_CANCELLED && cube.facet_count() == 12);
+    control.reset();
+    CHECK(thrown([&] { cube.join_coplanar(91); }) == WSP_ERR_ARGUMENT);
+    CHECK(cube.join_coplanar(1) == 6 && cube.facet_count() == 6);
+    CHECK(cube.join_coplanar(1, control) == WSP_DONE && cube.facet_count() == 6);
+    CHECK(std::abs(volume(wsp::triangulation(cube).view()) - 1) < 1e-12);
+
+    wsp::plc empty = std::move(cube);
+    CHECK(thrown([&] { cube.check(); }) == WSP_ERR_NULL && thrown([&] { cube.join_coplanar(1); }) == WSP_ERR_NULL);
+}
+
+// The longest edge of the tetrahedra whose centroids are between two planes across x.
+double longest_edge(const wsp::triangulation& mesh, double from, double to) {
+    const wsp::mesh_view view = mesh.view();
+    double longest = 0;
+    for (const auto& t : view.tetrahedra) {
+        double x = 0;
+        for (std::uint32_t v : t) x += view.vertices[v][0] / 4;
+        if (x < from || x > to) continue;
+        for (std::uint32_t v : t)
+            for (std::uint32_t w : t) {
+                const wsp::point a = view.vertices[v], b = view.vertices[w];
+                longest = std::max(longest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+            }
+    }
+    return longest;
+}
+
+// A box from 0 to 2 in x, two regions on the sides of a wall at 1.
+wsp::plc walled() {
+    wsp::plc domain;
+    std::vector<wsp::point> corners;
+    for (int i = 0; i < 12; ++i) corners.push_back({double(i % 3), i / 3 % 2 ? 1.0 : 0.0, i < 6 ? 0.0 : 1.0});
+    domain.add_points(corners);
+    for (const auto& side : {std::array<std::uint32_t, 4>{0, 1, 4, 3}, {1, 2, 5, 4}, {6, 7, 10, 9}, {7, 8, 11, 10}, {0, 1, 7, 6}, {1, 2, 8, 7},
+                             {3, 4, 10, 9}, {4, 5, 11, 10}, {0, 3, 9, 6}, {2, 5, 11, 8}, {1, 4, 10, 7}})
+        domain.add_facet(side);
+    domain.add_region({0.5, 0.5, 0.5}, 1);
+    domain.add_region({1.5, 0.5, 0.5}, 2);
+    return domain;
+}
+
+void test_sizes() {
+    const wsp::refine_options options(2.0);
+    const auto refined = [&](const wsp::sizing& sizes) {
+        wsp::triangulation mesh(walled());
+        const wsp::report report = mesh.refine(options, sizes);
+        CHECK(report.status == WSP_DONE && report.too_large == 0 && report.bad == 0);
+        CHECK(std::abs(volume(mesh.view()) - 2) < 1e-9);
+        return mesh;
+    };
+    CHECK(longest_edge(refined({}), 0, 2) >= 1);
+
+    wsp::sizing sizes;
+    sizes.everywhere = 0.3;
+    CHECK(longest_edge(refined(sizes), 0, 2) <= 0.3);
+    sizes.everywhere = std::numeric_limits<double>::infinity();  // asks for nothing
+    sizes.regions = {0, 0.2};
+    {
+        const auto mesh = refined(sizes);
+        CHECK(longest_edge(mesh, 0, 1) > 0.6 && longest_edge(mesh, 1, 2) <= 0.2);
+    }
+    sizes = {};
+    sizes.vertices.assign(12, 0.3);
+    CHECK(longest_edge(refined(sizes), 0, 2) <= 0.3 * (1 + 1e-9));
+    sizes = {};
+    std::size_t asked = 0, most = 0;
+    sizes.at = [&](wsp::points at, double* max_edge) {
+        asked += at.size();
+        most = std::max(most, at.size());
+        for (std::size_t i = 0; i < at.size(); ++i)
+            if (at[i][0] > 1) max_edge[i] = 0.25;  // what is left alone asks for nothing
+    };
+    {
+        const auto mesh = refined(sizes);
+        CHECK(asked >= mesh.tetrahedron_count() && most > 20);
+        CHECK(longest_edge(mesh, 1, 2) <= 0.25 && longest_edge(mesh, 0, 1) > 0.6);
+    }
+    // Of several the smallest counts, the option's too.
+    sizes.everywhere = 0.5;
+    CHECK(longest_edge(refined(sizes), 0, 1) <= 0.5);
+    {
+        wsp::triangulation mesh(walled());
+        wsp::refine_options smaller(2.0);
+        smaller.max_edge = 0.35;
+        CHECK(mesh.refine(smaller, sizes).status == WSP_DONE);
+        CHECK(longest_edge(mesh, 0, 1) <= 0.35 && longest_edge(mesh, 1, 2) <= 0.25);
+    }
+
+    // What the callback throws comes out of the call unchanged, and it is not asked again. The triangulation is usable.
+    int calls = 0;
+    sizes = {};
+    sizes.at = [&](wsp::points at, double* max_edge) {
+        if (++calls == 3) throw own_exception("from the sizes", 44);
+        std::fill_n(max_edge, at.size(), 0.1);
+    };
+    wsp::control control;
+    for (int round = 0; round < 2; ++round) {
+        wsp::triangulation mesh(walled());
+        calls = 0;
+        try {
+            round == 0 ? mesh.refine(options, sizes) : mesh.refine(options, sizes, control);
+            CHECK(false);
+        } catch (const own_exception& e) {
+            CHECK(e.number == 44 && std::strcmp(e.what(), "from the sizes") == 0);
+        }
+        CHECK(calls == 3);
+        mesh.validate();
+        // Cancelled is that call, and the control that was given until it is reset.
+        CHECK(mesh.refine(options).status == WSP_DONE);
+        if (round == 1) {
+            CHECK(mesh.refine(options, control).status == WSP_CANCELLED);
+            control.reset();
+            CHECK(mesh.refine(options, control).status == WSP_DONE);
+        }
+    }
+    control.cancel();
+    wsp::triangulation mesh(walled());
+    sizes.at = nullptr;
+    CHECK(mesh.refine(options, sizes, control).status == WSP_CANCELLED);
+}
+
+// A control where a call has one, and the number of threads.
+void test_within() {
+    wsp::control control;
+    wsp::triangulation mesh(boxed(200), wsp::triangulation_options(2));
+    const wsp::triangulation one(boxed(200), wsp::triangulation_options(1), control);
+    CHECK(mesh.vertex_count() == one.vertex_count() && mesh.tetrahedron_count() == one.tetrahedron_count());
+    CHECK(wsp::triangulation_options().threads == 1);
+    CHECK(thrown([&] { wsp::triangulation too_many(boxed(10), wsp::triangulation_options(5000)); }) == WSP_ERR_OPTION);
+
+    CHECK(mesh.view(control).tetrahedra.size() == one.view().tetrahedra.size());
+    CHECK(mesh.bad_short_edges(2, control).size() == one.bad_short_edges(2).size());
+    wsp::triangulation hull;
+    hull.insert(scattered(50));
+    control.cancel();
+    CHECK(thrown([&] { wsp::triangulation cancelled(boxed(10), wsp::triangulation_options(2), control); }) == WSP_CANCELLED);
+    CHECK(hull.use_hull_as_domain(control) == WSP_CANCELLED && !hull.has_domain());
+    CHECK(thrown([&] { hull.view(control); }) == WSP_CANCELLED);
+    CHECK(thrown([&] { mesh.bad_short_edges(2, control); }) == WSP_CANCELLED);
+    CHECK(mesh.sparsify(2, control).status == WSP_CANCELLED);
+    CHECK(thrown([&] { mesh.clone(control); }) == WSP_CANCELLED);
+    control.reset();
+    CHECK(hull.use_hull_as_domain(control) == WSP_DONE && hull.has_domain());
+    CHECK(mesh.refine(2.0).status == WSP_DONE);
+    CHECK(mesh.sparsify(2, control, WSP_SPARSIFY_THOROUGH).status == WSP_DONE);
+
+    // An empty control is none; other empty handles are errors, but for those of batches.
+    const wsp::control moved = std::move(control);
+    CHECK(thrown([&] { control.cancel(); }) == WSP_ERR_NULL);
+    CHECK(mesh.validate(control) == WSP_DONE);
+    CHECK(wsp::batch(nullptr).empty() && wsp::batch(nullptr).points().data() == nullptr && wsp::batch(nullptr).rule() == 0);
+    CHECK(wsp::batch(nullptr).edge().vertices[0] == WSP_NONE);
+    CHECK(thrown([&] { mesh.insert(wsp::batch(nullptr)); }) == WSP_ERR_NULL);
+}
+
+void test_arrays() {
+    const wsp::point a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{0, 0, 1};
+    CHECK(wsp::orientation(a, b, c, d) == 1 && wsp::orientation(a, c, b, d) == -1 && wsp::orientation(a, b, c, {3, 4, 0}) == 0);
+    CHECK(wsp::side_of_sphere(a, b, c, d, {0.5, 0.5, 0.5}) == 1 && wsp::side_of_sphere(a, b, c, d, {1, 1, 1}) == 0);
+    CHECK(wsp::side_of_sphere(a, b, c, d, {1, 1, 1.0000000000000002}) == -1);
+    CHECK(thrown([&] { wsp::orientation(a, b, c, {std::numeric_limits<double>::quiet_NaN(), 0, 0}); }) == WSP_ERR_NOT_FINITE);
+    const std::vector<wsp::point> two{a, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, a, b, {40, 40, 0}, {40, 0, 40}};
+    CHECK(wsp::bad_tetrahedra(two, 2) == std::vector<std::uint8_t>{0, 1});
+    CHECK(wsp::bad_tetrahedra(std::vector<double>(), 2).empty());
+    CHECK(thrown([&] { wsp::bad_tetrahedra(wsp::points(two[0].data(), 7), 2); }) == WSP_ERR_ARGUMENT);
+    CHECK(thrown([&] { wsp::bad_tetrahedra(two, 0.3); }) == WSP_ERR_OPTION);
+
+    wsp::triangulation mesh(boxed(100));
+    const wsp::mesh_view view = mesh.view();
+    const wsp::mesh_arrays arrays(view.vertices, view.tetrahedra, view.neighbours);
+    wsp::control control;
+    wsp::mesh_batch batch(arrays, wsp::sampler_options(2.0), control);
+    CHECK(batch.status() == WSP_DONE && !batch.empty() && batch.refused() == 0);
+    CHECK(batch.bad_edges().size() == mesh.bad_short_edges(2).size());
+    const wsp::mesh_batch moved = std::move(batch);
+    CHECK(batch.empty() && batch.points().empty() && batch.bad_edges().empty() && batch.refused() == 0 && !moved.empty());
+    control.cancel();
+    CHECK(thrown([&] { wsp::mesh_batch cancelled(arrays, wsp::sampler_options(2.0), control); }) == WSP_CANCELLED);
+    CHECK(thrown([&] { wsp::mesh_batch bad(arrays, wsp::sampler_options(0.3)); }) == WSP_ERR_OPTION);
+
+    // Two points so near each other that mending would need edges below 2^-40 of the box: 'batch, insert, repeat' ends with that.
+    wsp::triangulation host;
+    for (int i = 0; i < 8; ++i) host.insert(wsp::point{i & 1 ? 1.0 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0});
+    host.insert(std::vector<wsp::point>{{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5 + std::ldexp(1, -46)}});
+    wsp_status status = WSP_DONE;
+    std::size_t refused = 0;
+    for (int round = 0; round < 100; ++round) {
+        const wsp::mesh_view mesh_now = host.view();
+        const wsp::mesh_batch points(wsp::mesh_arrays(mesh_now.vertices, mesh_now.tetrahedra, mesh_now.neighbours),
+                                     wsp::sampler_options(2.0));
+        status = points.status();
+        refused = points.refused();
+        if (points.empty()) break;
+        CHECK(status == WSP_DONE);
+        std::vector<wsp::point> more;
+        for (const wsp_steiner_point& p : points.points()) more.push_back({p.xyz[0], p.xyz[1], p.xyz[2]});
+        host.insert(more);
+    }
+    CHECK(status == WSP_UNREFINED && refused > 0 && refused >= host.bad_short_edges(2).size());
+    const std::vector<wsp::edge> left = host.bad_short_edges(2);
+    CHECK(left.size() == 1 && left[0].vertices[0] == 8 && left[0].vertices[1] == 9);
+}
+
 void test_threads() {
     const auto points = scattered(3000);
     wsp::triangulation shared;
@@ -363,6 +609,10 @@ int main() {
         test_steps();
         test_sampler();
         test_control();
+        test_check();
+        test_sizes();
+        test_within();
+        test_arrays();
         test_threads();
     } catch (const std::exception& e) {
         std::fprintf(stderr, "an exception got out: %s\n", e.what());

@@ -4,9 +4,13 @@
 //
 // The mesher is Bowyer and Watson's: the tetrahedra whose circumspheres hold a new point make room for those that join it to their
 // outline. It knows nothing of wellspaced but two exact predicates; yours may have its own.
+//
+// Exits with 1 if anything can't be mended, bad tetrahedra are left, the rounds are more than the sizes in the input explain, or the
+// Steiner points more than a tenth above those that wellspaced's own triangulation takes one by one.
 #include <wellspaced/wellspaced.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -111,15 +115,10 @@ private:
     bool is_free(std::uint32_t t) const { return tetrahedra[t][0] == WSP_NONE; }
 
     int orientation(const tetrahedron& t) const {
-        std::int32_t sign = 0;
-        wsp::check(wsp_orientation(points[t[0]].data(), points[t[1]].data(), points[t[2]].data(), points[t[3]].data(), &sign));
-        return sign;
+        return wsp::orientation(points[t[0]], points[t[1]], points[t[2]], points[t[3]]);
     }
     int side_of_sphere(const tetrahedron& t, const wsp::point& p) const {
-        std::int32_t sign = 0;
-        wsp::check(wsp_side_of_sphere(points[t[0]].data(), points[t[1]].data(), points[t[2]].data(), points[t[3]].data(),
-                                      p.data(), &sign));
-        return sign;
+        return wsp::side_of_sphere(points[t[0]], points[t[1]], points[t[2]], points[t[3]], p);
     }
 
     // Walks through faces that have the point behind them.
@@ -175,17 +174,39 @@ private:
     std::uint32_t last_ = 0;
 };
 
-// The whole connection to wellspaced: returns the number of rounds.
-int refine(mesher& mesh, const wsp::sampler_options& options) {
-    for (int round = 0;; ++round) {
+struct result {
+    int rounds = 0;
+    std::size_t refused = 0;
+};
+
+// The whole connection to wellspaced, but for the limit that it is tested with.
+result refine(mesher& mesh, const wsp::sampler_options& options, int most_rounds) {
+    for (result done;; ++done.rounds) {
         mesh.compact();
         const wsp::mesh_batch batch(wsp::mesh_arrays(mesh.points, mesh.tetrahedra, mesh.neighbours), options);
-        if (batch.empty()) {
-            if (batch.refused() > 0) std::printf("%zu bad tetrahedra could not be mended\n", batch.refused());
-            return round;
-        }
+        done.refused = batch.refused();  // what can't be mended stays so from round to round
+        if (batch.empty() || done.rounds > most_rounds) return done;
         for (const wsp_steiner_point& p : batch.points()) mesh.insert({p.xyz[0], p.xyz[1], p.xyz[2]}, p.tetrahedron);
     }
+}
+
+std::size_t count_bad(const mesher& mesh, double radius_edge) {
+    std::vector<wsp::point> corners;
+    for (const tetrahedron& t : mesh.tetrahedra)
+        for (std::uint32_t v : t) corners.push_back(mesh.points[v]);
+    const std::vector<std::uint8_t> bad = wsp::bad_tetrahedra(corners, radius_edge);
+    return static_cast<std::size_t>(std::count(bad.begin(), bad.end(), 1));
+}
+
+double distance(const wsp::point& a, const wsp::point& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+double shortest_edge(const mesher& mesh) {
+    double shortest = distance(mesh.points[0], mesh.points[7]);
+    for (const tetrahedron& t : mesh.tetrahedra)
+        for (std::uint32_t a : t)
+            for (std::uint32_t b : t)
+                if (a < b) shortest = std::min(shortest, distance(mesh.points[a], mesh.points[b]));
+    return shortest;
 }
 
 }  // namespace
@@ -204,7 +225,11 @@ int main(int argc, char** argv) {
     mesher mesh(low, high);
     for (std::size_t i = 0; i < input.size(); ++i) mesh.insert({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]}, WSP_NONE);
     const std::size_t before = mesh.points.size();
-    const int rounds = refine(mesh, wsp::sampler_options(radius_edge));
+    mesh.compact();
+    // A round mends what lies at about one length, from the shortest on: so rounds go with the logarithm of the lengths between that
+    // and the box, not with the number of points.
+    const int most_rounds = static_cast<int>(20 * std::log2(distance(low, high) / shortest_edge(mesh)));
+    const result done = refine(mesh, wsp::sampler_options(radius_edge), most_rounds);
     const std::size_t added = mesh.points.size() - before;
 
     // Beside it, the same domain in wellspaced's own triangulation, one edge after the other.
@@ -215,8 +240,19 @@ int main(int argc, char** argv) {
     wsp::refine_options alone(radius_edge);
     alone.sparsify = WSP_SPARSIFY_OFF;  // rounds take nothing away again
     const std::size_t sequential = own.refine(alone).steiner;
-    std::printf("%zu points in, %zu added in %d rounds (%zu one by one: ratio %.3f), %zu tetrahedra\n", before, added, rounds,
-                sequential, double(added) / double(sequential), mesh.tetrahedra.size());
-    // A tenth more, and ten points where there are few.
-    return added > sequential + sequential / 10 + 10;
+    const std::size_t bad = count_bad(mesh, radius_edge);
+    std::printf("%zu points in, %zu added in %d rounds (%zu one by one: ratio %.3f), %zu tetrahedra, %zu bad, %zu refused\n", before,
+                added, done.rounds, sequential, double(added) / double(sequential), mesh.tetrahedra.size(), bad, done.refused);
+    int failed = 0;
+    const auto require = [&](bool holds, const char* what) {
+        if (holds) return;
+        std::fprintf(stderr, "%s\n", what);
+        failed = 1;
+    };
+    require(done.refused == 0, "something could not be mended");
+    require(bad == 0, "bad tetrahedra are left");
+    require(done.rounds <= most_rounds, "more rounds than the sizes in the input explain");
+    // A tenth more; in a mesh of some dozens that is a matter of few.
+    require(added <= sequential + std::max<std::size_t>(sequential / 10, 8), "too many Steiner points beside those one by one");
+    return failed;
 }

@@ -13,12 +13,15 @@
 //
 // Conventions
 // - Statuses below 0 are thrown as wsp::error. Functions that may end early, but with a usable result, return the
-// status: 0 or one of WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_UNREFINED.
+//   status, or a report that has it: 0 or one of WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_UNREFINED, WSP_TIME_LIMIT and
+//   WSP_MEMORY_LIMIT. Where a cancellation leaves nothing to return (an object to be made, a list), WSP_CANCELLED is thrown, too.
 // - Spans (wsp::span, wsp::points) only refer to memory of the caller. They are made from a pointer and a count or from
 //   any contiguous container: std::vector, std::array, std::span, a mapped array of Eigen...
 // - A callback that throws cancels its call, and what it threw comes out of that call unchanged. No exception ever
 //   crosses the C frames between.
-// - A moved-from handle is empty: it can be destroyed and assigned to; anything else throws WSP_ERR_NULL.
+// - A moved-from handle is empty: it can be destroyed and assigned to. Members of an empty wsp::plc, wsp::triangulation or
+//   wsp::control throw WSP_ERR_NULL; those of an empty wsp::batch or wsp::mesh_batch give 0, NULL or a list of nothing (its edge
+//   is of two WSP_NONE). As an argument an empty control is as good as none, any other empty handle is WSP_ERR_NULL.
 // - Threads: as in wellspaced.h. A const member function is a call that takes the handle as const.
 
 #ifndef WELLSPACED_WELLSPACED_HPP
@@ -26,13 +29,16 @@
 
 #include "../wellspaced.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -64,6 +70,7 @@ using point = std::array<double, 3>;
 using edge = wsp_edge;
 using location = wsp_location;
 using origin = wsp_origin;
+using element = wsp_element;
 
 // Elements of somebody else's contiguous memory, for reading.
 template <class T>
@@ -126,6 +133,12 @@ private:
 };
 
 // Option structs that are born with the defaults.
+struct triangulation_options : wsp_triangulation_options {
+    triangulation_options() { check(wsp_triangulation_options_init(this, sizeof(wsp_triangulation_options))); }
+    // 0: as many threads as there are processors.
+    explicit triangulation_options(std::uint32_t at_most) : triangulation_options() { threads = at_most; }
+};
+
 struct sampler_options : wsp_sampler_options {
     sampler_options() { check(wsp_sampler_options_init(this, sizeof(wsp_sampler_options))); }
     explicit sampler_options(double bound, wsp_rule chosen = WSP_RULE_SPARSE) : sampler_options() {
@@ -144,6 +157,19 @@ struct refine_options : wsp_refine_options {
 
 struct report : wsp_report {
     report() { check(wsp_report_init(this, sizeof(wsp_report))); }
+};
+
+// How large tetrahedra may be at most, for triangulation::refine. Of several sources the smallest length counts at each place; a
+// length that is not positive and finite asks for nothing, and so do elements that a list does not reach.
+struct sizing {
+    // Fills in the largest length of an edge at each of the points. It must give the same answer each time. Within it the
+    // triangulation that is being refined must not be used.
+    using callback = std::function<void(points at, double* max_edge)>;
+
+    double everywhere = 0;         // the largest length of an edge anywhere; the smaller of this and refine_options::max_edge counts
+    std::vector<double> regions;   // in each region, in the order in which they were added to the complex
+    std::vector<double> vertices;  // at each vertex, by id; interpolated between them
+    callback at;                   // at any point; empty for none
 };
 
 namespace detail {
@@ -183,6 +209,40 @@ private:
 
     running_call* outer_;
     std::exception_ptr thrown_;
+};
+
+// What a wsp_sizing refers to while its call runs.
+class running_sizes : public wsp_sizing {
+public:
+    running_sizes(const sizing& sizes, wsp_control* control) : sizes_(sizes), control_(control) {
+        check(wsp_sizing_init(this, sizeof(wsp_sizing)));
+        region_max_edge = sizes.regions.data();
+        region_count = sizes.regions.size();
+        vertex_max_edge = sizes.vertices.data();
+        vertex_count = sizes.vertices.size();
+        if (sizes.at) callback = &told;
+        user = this;
+    }
+
+private:
+    // A sizing callback has no word for 'cancel': the control has. Until the call has noticed, nothing more is asked for.
+    static void told(void* self, const double* xyz, std::size_t n, double* max_edge) noexcept {
+        auto& to = *static_cast<running_sizes*>(self);
+        std::fill_n(max_edge, n, 0.0);
+        if (to.thrown_) return;
+        try {
+            to.sizes_.at(points(xyz, n), max_edge);
+        } catch (...) {
+            to.thrown_ = true;
+            std::fill_n(max_edge, n, 0.0);
+            running_call::keep_exception();
+            wsp_control_cancel(to.control_);
+        }
+    }
+
+    const sizing& sizes_;
+    wsp_control* control_;
+    bool thrown_ = false;
 };
 
 // The two calls of a list.
@@ -260,36 +320,61 @@ private:
     detail::handle<wsp_control, wsp_control_free> handle_;
 };
 
+// What is wrong, or may be, with a complex.
+struct defect {
+    wsp_defect_kind kind = 0;       // a WSP_DEFECT_ constant
+    bool is_error = false;          // the complex can't be meshed; otherwise a warning
+    std::vector<element> elements;  // the one or two that it is about
+    point place{};                  // a point where it is; NaN where that means nothing
+    double measure = 0;             // a number that goes with the kind
+    std::string text;               // all of it in words
+};
+
+// An angle at which two elements of a complex meet.
+struct input_angle {
+    double degrees = std::numeric_limits<double>::quiet_NaN();  // NaN if no two meet
+    std::vector<element> elements;                              // the two; none if no two meet
+    point place{};                                              // where they meet
+};
+
+// What plc::check has found. It refers to nothing.
+struct plc_check {
+    std::vector<defect> defects;  // errors first
+    std::size_t errors = 0;       // how many of them are errors: the complex can be meshed if there are none
+    input_angle segment_angle;    // the smallest at which two segments meet
+    input_angle facet_angle;      // the smallest at which two facets meet
+};
+
 // A piecewise linear complex.
 class plc {
 public:
     plc() {
         wsp_plc* made = nullptr;
-        check(wsp_plc_new(&made));
+        wsp::check(wsp_plc_new(&made));
         handle_.reset(made);
     }
 
     // The position of the first of them. Markers: none, or one a point.
     std::uint32_t add_points(points list, span<std::int32_t> markers = {}) {
         std::uint32_t first = 0;
-        check(wsp_plc_add_points(get(), list.data(), list.size(), marked(markers, list.size()), &first));
+        wsp::check(wsp_plc_add_points(get(), list.data(), list.size(), marked(markers, list.size()), &first));
         return first;
     }
     // The position of the first of its eight points. The facets' markers are `marker` to `marker + 5`.
     std::uint32_t add_box(const point& low, const point& high, std::int32_t marker = 1) {
         std::uint32_t first = 0;
-        check(wsp_plc_add_box(get(), low.data(), high.data(), marker, &first));
+        wsp::check(wsp_plc_add_box(get(), low.data(), high.data(), marker, &first));
         return first;
     }
     void add_segments(span<std::array<std::uint32_t, 2>> ends, span<std::int32_t> markers = {}) {
         const std::uint32_t* flat = ends.empty() ? nullptr : ends.data()->data();
-        check(wsp_plc_add_segments(get(), flat, ends.size(), marked(markers, ends.size())));
+        wsp::check(wsp_plc_add_segments(get(), flat, ends.size(), marked(markers, ends.size())));
     }
     // A facet of one polygon; its position.
     std::uint32_t add_facet(span<std::uint32_t> polygon, std::int32_t marker = 0) {
         const std::size_t starts[2] = {0, polygon.size()};
         std::uint32_t first = 0;
-        check(wsp_plc_add_facets(get(), polygon.data(), starts, 1, nullptr, 1, &marker, &first));
+        wsp::check(wsp_plc_add_facets(get(), polygon.data(), starts, 1, nullptr, 1, &marker, &first));
         return first;
     }
     std::uint32_t add_facet(std::initializer_list<std::uint32_t> polygon, std::int32_t marker = 0) {
@@ -303,27 +388,72 @@ public:
         if (!polygon_starts.empty() && polygon_starts[polygons] > vertices.size())
             throw error(WSP_ERR_ARGUMENT, "wsp::plc::add_facets: polygon_starts ends beyond vertices");
         std::uint32_t first = 0;
-        check(wsp_plc_add_facets(get(), vertices.data(), polygon_starts.data(), polygons,
+        wsp::check(wsp_plc_add_facets(get(), vertices.data(), polygon_starts.data(), polygons,
                                  facet_starts.empty() ? nullptr : facet_starts.data(), facets,
                                  marked(markers, facets), &first));
         return first;
     }
-    void add_facet_hole(std::uint32_t facet, const point& p) { check(wsp_plc_add_facet_hole(get(), facet, p.data())); }
-    void add_hole(const point& p) { check(wsp_plc_add_hole(get(), p.data())); }
+    void add_facet_hole(std::uint32_t facet, const point& p) { wsp::check(wsp_plc_add_facet_hole(get(), facet, p.data())); }
+    void add_hole(const point& p) { wsp::check(wsp_plc_add_hole(get(), p.data())); }
     void add_region(const point& p, double attribute, double max_volume = 0) {
-        check(wsp_plc_add_region(get(), p.data(), attribute, max_volume));
+        wsp::check(wsp_plc_add_region(get(), p.data(), attribute, max_volume));
     }
 
     std::size_t point_count() const { return counts()[0]; }
     std::size_t segment_count() const { return counts()[1]; }
     std::size_t facet_count() const { return counts()[2]; }
 
+    // Every defect, and the smallest angles: see wsp_plc_check.
+    plc_check check() const { return check(nullptr); }
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    plc_check check(const control& control) const { return check(control.get()); }
+
+    // Joins neighbours whose normals differ by at most so many degrees. How many facets there are then: they get new positions.
+    std::size_t join_coplanar(double degrees) {
+        std::size_t facets = 0;
+        wsp::check(wsp_plc_join_coplanar(get(), degrees, &facets));
+        return facets;
+    }
+    // WSP_DONE, or WSP_CANCELLED: then the complex is as it was.
+    wsp_status join_coplanar(double degrees, const control& control) {
+        detail::running_call call;
+        return call.finish(wsp_plc_join_coplanar_within(get(), degrees, control.get(), nullptr));
+    }
+
     wsp_plc* get() const noexcept { return handle_.get(); }
 
 private:
+    plc_check check(wsp_control* control) const {
+        detail::running_call call;
+        wsp_check* made = nullptr;
+        const wsp_status status = wsp_plc_check_within(get(), control, &made);
+        const detail::handle<wsp_check, wsp_check_free> owner(made);
+        if (call.finish(status) == WSP_CANCELLED) throw error(status, wsp_status_string(status));
+        plc_check found;
+        found.defects.resize(wsp_check_count(made, &found.errors));
+        for (std::size_t i = 0; i < found.defects.size(); ++i) {
+            const wsp_defect d = filled([&](wsp_defect* out) { return wsp_check_defect(made, i, out); });
+            found.defects[i] = {d.kind, d.is_error != 0, elements_of(d), place_of(d), d.measure, wsp_check_text(made, i)};
+        }
+        for (const std::uint32_t between_facets : {0u, 1u}) {
+            const wsp_defect d = filled([&](wsp_defect* out) { return wsp_check_angle(made, between_facets, out); });
+            (between_facets ? found.facet_angle : found.segment_angle) = {d.measure, elements_of(d), place_of(d)};
+        }
+        return found;
+    }
+    template <class Fill>
+    static wsp_defect filled(const Fill& fill) {
+        wsp_defect d;
+        wsp::check(wsp_defect_init(&d, sizeof d));
+        wsp::check(fill(&d));
+        return d;
+    }
+    static std::vector<element> elements_of(const wsp_defect& d) { return {d.elements, d.elements + d.element_count}; }
+    static point place_of(const wsp_defect& d) { return {d.place[0], d.place[1], d.place[2]}; }
+
     std::array<std::size_t, 3> counts() const {
         std::array<std::size_t, 3> c{};
-        check(wsp_plc_counts(get(), &c[0], &c[1], &c[2]));
+        wsp::check(wsp_plc_counts(get(), &c[0], &c[1], &c[2]));
         return c;
     }
     static const std::int32_t* marked(span<std::int32_t> markers, std::size_t count) {
@@ -374,16 +504,17 @@ public:
     }
     // Insertions of many points and passes over Steiner points may use so many threads, 0 for as many as there are processors.
     static triangulation with_threads(std::uint32_t threads) {
-        wsp_triangulation_options options;
-        check(wsp_triangulation_options_init(&options, sizeof options));
-        options.threads = threads;
+        const triangulation_options options(threads);
         wsp_triangulation* made = nullptr;
         check(wsp_triangulation_new(&options, &made));
         return triangulation(made);
     }
-    explicit triangulation(const plc& domain) : handle_(from(domain, nullptr)) {}
-    // If the control cancels, this throws wsp::error of status WSP_CANCELLED: there is no triangulation then.
-    triangulation(const plc& domain, const control& control) : handle_(from(domain, control.get())) {}
+    explicit triangulation(const plc& domain) : handle_(from(domain, nullptr, nullptr)) {}
+    triangulation(const plc& domain, const triangulation_options& options) : handle_(from(domain, &options, nullptr)) {}
+    // If the control cancels, these throw wsp::error of status WSP_CANCELLED: there is no triangulation then.
+    triangulation(const plc& domain, const control& control) : handle_(from(domain, nullptr, control.get())) {}
+    triangulation(const plc& domain, const triangulation_options& options, const control& control)
+        : handle_(from(domain, &options, control.get())) {}
 
     triangulation clone() const {
         wsp_triangulation* made = nullptr;
@@ -430,6 +561,11 @@ public:
     }
 
     void use_hull_as_domain() { check(wsp_triangulation_use_hull_as_domain(get())); }
+    // WSP_DONE, or WSP_CANCELLED: then there is still no domain.
+    wsp_status use_hull_as_domain(const control& control) {
+        detail::running_call call;
+        return call.finish(wsp_triangulation_use_hull_as_domain_within(get(), control.get()));
+    }
 
     bool has_domain() const {
         std::uint32_t answer = 0;
@@ -461,17 +597,9 @@ public:
         check(wsp_triangulation_locate(get(), p.data(), hint, &answer));
         return answer;
     }
-    mesh_view view() const {
-        wsp_mesh_view arrays;
-        check(wsp_mesh_view_init(&arrays, sizeof arrays));
-        check(wsp_triangulation_view(get(), &arrays));
-        const auto quads = [&](const std::uint32_t* ids) {
-            return span<std::array<std::uint32_t, 4>>(reinterpret_cast<const std::array<std::uint32_t, 4>*>(ids),
-                                                      arrays.tetrahedra_count);
-        };
-        return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours),
-                {arrays.regions, arrays.tetrahedra_count}};
-    }
+    mesh_view view() const { return view(nullptr); }
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    mesh_view view(const control& control) const { return view(control.get()); }
 
     // Throws WSP_ERR_NOT_VALID with what is wrong. For WSP_VALIDATE_QUALITY give the bound.
     void validate(std::uint32_t level = WSP_VALIDATE_DELAUNAY, double radius_edge = 2.0) const {
@@ -483,12 +611,10 @@ public:
         return call.finish(wsp_triangulation_validate_within(get(), level, radius_edge, control.get()));
     }
 
-    std::vector<edge> bad_short_edges(double radius_edge) const {
-        return detail::list<edge>(
-            [&](edge* out, std::size_t room, std::size_t* count) {
-                return wsp_bad_short_edges(get(), radius_edge, out, room, count);
-            },
-            64);
+    std::vector<edge> bad_short_edges(double radius_edge) const { return bad_short_edges(radius_edge, nullptr); }
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    std::vector<edge> bad_short_edges(double radius_edge, const control& control) const {
+        return bad_short_edges(radius_edge, control.get());
     }
     // The vertices around an edge in order; `closed` is NULL or becomes whether they form a ring.
     std::vector<std::uint32_t> link(edge e, bool* closed = nullptr) const {
@@ -517,13 +643,26 @@ public:
     wsp::report refine(const refine_options& options) { return refine(options, nullptr); }
     wsp::report refine(const refine_options& options, const control& control) { return refine(options, control.get()); }
     wsp::report refine(double radius_edge) { return refine(refine_options(radius_edge)); }
+    // Within limits of size, too: see wsp_refine_sized.
+    wsp::report refine(const refine_options& options, const sizing& sizes) { return refine(options, sizes, control()); }
+    // What `sizes.at` throws cancels the control as well, until it is reset.
+    wsp::report refine(const refine_options& options, const sizing& sizes, const control& control) {
+        refine_options limited = options;
+        if (sizes.everywhere > 0 && std::isfinite(sizes.everywhere))
+            limited.max_edge = limited.max_edge == 0 ? sizes.everywhere : (std::min)(limited.max_edge, sizes.everywhere);
+        const detail::running_sizes given(sizes, control.get());
+        wsp::report done;
+        detail::running_call call;
+        call.finish(wsp_refine_sized(get(), &limited, &given, control.get(), &done));
+        return done;
+    }
 
     // Takes Steiner points away again where every tetrahedron that comes keeps the bound; see wsp_sparsify_mesh.
     wsp::report sparsify(double radius_edge, wsp_sparsify level = WSP_SPARSIFY_DEFAULT) {
-        wsp::report done;
-        detail::running_call call;
-        call.finish(wsp_sparsify_mesh(get(), radius_edge, level, nullptr, &done));
-        return done;
+        return sparsify(radius_edge, level, nullptr);
+    }
+    wsp::report sparsify(double radius_edge, const control& control, wsp_sparsify level = WSP_SPARSIFY_DEFAULT) {
+        return sparsify(radius_edge, level, control.get());
     }
 
     wsp_triangulation* get() const noexcept { return handle_.get(); }
@@ -533,10 +672,10 @@ private:
 
     explicit triangulation(wsp_triangulation* adopted) noexcept : handle_(adopted) {}
 
-    static handle from(const plc& domain, wsp_control* control) {
+    static handle from(const plc& domain, const wsp_triangulation_options* options, wsp_control* control) {
         detail::running_call call;
         wsp_triangulation* made = nullptr;
-        const wsp_status status = wsp_triangulation_from_plc(domain.get(), nullptr, control, &made);
+        const wsp_status status = wsp_triangulation_from_plc(domain.get(), options, control, &made);
         handle owner(made);
         if (call.finish(status) != WSP_DONE) throw error(status, wsp_status_string(status));
         return owner;
@@ -546,6 +685,36 @@ private:
         detail::running_call call;
         call.finish(wsp_refine(get(), &options, control, &done));
         return done;
+    }
+    wsp::report sparsify(double radius_edge, wsp_sparsify level, wsp_control* control) {
+        wsp::report done;
+        detail::running_call call;
+        call.finish(wsp_sparsify_mesh(get(), radius_edge, level, control, &done));
+        return done;
+    }
+    mesh_view view(wsp_control* control) const {
+        wsp_mesh_view arrays;
+        check(wsp_mesh_view_init(&arrays, sizeof arrays));
+        detail::running_call call;
+        const wsp_status status = call.finish(wsp_triangulation_view_within(get(), &arrays, control));
+        if (status == WSP_CANCELLED) throw error(status, wsp_status_string(status));
+        const auto quads = [&](const std::uint32_t* ids) {
+            return span<std::array<std::uint32_t, 4>>(reinterpret_cast<const std::array<std::uint32_t, 4>*>(ids),
+                                                      arrays.tetrahedra_count);
+        };
+        return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours),
+                {arrays.regions, arrays.tetrahedra_count}};
+    }
+    std::vector<edge> bad_short_edges(double radius_edge, wsp_control* control) const {
+        return detail::list<edge>(
+            [&](edge* out, std::size_t room, std::size_t* count) {
+                detail::running_call call;
+                const wsp_status status =
+                    call.finish(wsp_bad_short_edges_within(get(), radius_edge, control, out, room, count));
+                if (status == WSP_CANCELLED) throw error(status, wsp_status_string(status));
+                return status;
+            },
+            64);
     }
 
     handle handle_;
@@ -596,11 +765,13 @@ struct mesh_arrays : wsp_mesh_view {
 // One round on a host's arrays: points that may all be inserted together. See wsp_sample_mesh.
 class mesh_batch {
 public:
-    explicit mesh_batch(const mesh_arrays& mesh, const sampler_options& options = {}) {
-        wsp_mesh_batch* made = nullptr;
-        check(wsp_sample_mesh(&mesh, &options, nullptr, &made));
-        handle_.reset(made);
-    }
+    explicit mesh_batch(const mesh_arrays& mesh, const sampler_options& options = {}) : mesh_batch(mesh, options, nullptr) {}
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    mesh_batch(const mesh_arrays& mesh, const sampler_options& options, const control& control)
+        : mesh_batch(mesh, options, control.get()) {}
+
+    // WSP_DONE, or WSP_UNREFINED: there are no points, but bad tetrahedra that can't be mended. A moved-from batch keeps it.
+    wsp_status status() const noexcept { return status_; }
 
     std::size_t size() const noexcept { return wsp_mesh_batch_count(get()); }
     bool empty() const noexcept { return size() == 0; }
@@ -617,13 +788,46 @@ public:
     wsp_mesh_batch* get() const noexcept { return handle_.get(); }
 
 private:
+    mesh_batch(const mesh_arrays& mesh, const sampler_options& options, wsp_control* control) {
+        detail::running_call call;
+        wsp_mesh_batch* made = nullptr;
+        const wsp_status status = wsp_sample_mesh(&mesh, &options, control, &made);
+        handle_.reset(made);
+        status_ = call.finish(status);
+        if (status_ == WSP_CANCELLED) throw error(status_, wsp_status_string(status_));
+    }
+
     detail::handle<wsp_mesh_batch, wsp_mesh_batch_free> handle_;
+    wsp_status status_ = WSP_DONE;
 };
 
 inline bool is_bad_edge(const point& p, const point& q, points link, bool closed, double radius_edge) {
     std::uint32_t bad = 0;
     check(wsp_is_bad_edge(p.data(), q.data(), link.data(), link.size(), closed, radius_edge, &bad));
     return bad != 0;
+}
+
+// Which tetrahedra are bad, exactly: 1 or 0 for each. `corners` has four points a tetrahedron; any other number throws.
+inline std::vector<std::uint8_t> bad_tetrahedra(points corners, double radius_edge) {
+    if (corners.size() % 4 != 0)
+        throw error(WSP_ERR_ARGUMENT, "wsp::bad_tetrahedra: the number of corners is not a multiple of 4");
+    std::vector<std::uint8_t> bad(corners.size() / 4);
+    check(wsp_bad_tetrahedra(corners.data(), bad.size(), radius_edge, bad.data()));
+    return bad;
+}
+
+// The exact sign of det[b-a, c-a, d-a]: 1 if a b c d is positively oriented, 0 if it is flat, else -1.
+inline int orientation(const point& a, const point& b, const point& c, const point& d) {
+    std::int32_t sign = 0;
+    check(wsp_orientation(a.data(), b.data(), c.data(), d.data(), &sign));
+    return sign;
+}
+
+// Where `p` is to the circumsphere of the positively oriented a b c d, exactly: 1 inside, 0 on it, -1 outside.
+inline int side_of_sphere(const point& a, const point& b, const point& c, const point& d, const point& p) {
+    std::int32_t sign = 0;
+    check(wsp_side_of_sphere(a.data(), b.data(), c.data(), d.data(), p.data(), &sign));
+    return sign;
 }
 
 inline const char* version() noexcept { return wsp_version(); }
