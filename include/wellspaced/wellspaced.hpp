@@ -107,15 +107,15 @@ public:
     // structs that consist of three doubles, such as std::array<double, 3>.
     template <class Container, class Data = decltype(std::data(std::declval<const Container&>()))>
     points(const Container& container) {
-        using element = std::remove_cv_t<std::remove_pointer_t<Data>>;
-        if constexpr (std::is_same_v<element, double>) {
+        using value = std::remove_cv_t<std::remove_pointer_t<Data>>;
+        if constexpr (std::is_same_v<value, double>) {
             xyz_ = std::data(container);
             count_ = std::size(container) / 3;
             if (std::size(container) % 3 != 0)
                 throw error(WSP_ERR_ARGUMENT, "wsp::points: the number of doubles is not a multiple of 3");
         } else {
-            static_assert(std::is_standard_layout_v<element> && sizeof(element) == 3 * sizeof(double) &&
-                              alignof(element) == alignof(double),
+            static_assert(std::is_standard_layout_v<value> && sizeof(value) == 3 * sizeof(double) &&
+                              alignof(value) == alignof(double),
                           "a point is three doubles");
             xyz_ = reinterpret_cast<const double*>(std::data(container));
             count_ = std::size(container);
@@ -494,6 +494,19 @@ struct mesh_view {
     span<std::uint32_t> regions;                      // of each tetrahedron: 1 + the region's position, or 0
 };
 
+// The arrays of a domain's boundary in place, as wsp_boundary_view has them: they refer to the triangulation's memory until its next change.
+struct boundary_view {
+    span<std::array<std::uint32_t, 3>> faces;            // vertex ids, counterclockwise seen from outside the first tetrahedron
+    span<std::uint32_t> face_facets;                     // as plc::add_facet numbers them
+    span<std::int32_t> face_markers;                     // those of their facets
+    span<std::array<std::uint32_t, 2>> face_tetrahedra;  // on the two sides, WSP_NONE for none: then there is but the first
+    span<std::array<std::uint32_t, 2>> edges;            // vertex ids
+    span<std::uint32_t> edge_segments;                   // a number for each segment
+    span<std::int32_t> edge_markers;                     // those of their segments
+    span<std::uint8_t> vertex_kinds;                     // by vertex id: one of the WSP_ON_ constants
+    span<std::uint32_t> vertex_elements;                 // the segment or facet that a vertex lies inside of, or WSP_NONE
+};
+
 // A Delaunay triangulation, and the domain that it fills once one is set.
 class triangulation {
 public:
@@ -600,6 +613,10 @@ public:
     mesh_view view() const { return view(nullptr); }
     // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
     mesh_view view(const control& control) const { return view(control.get()); }
+    // Without a domain its arrays are empty.
+    boundary_view boundary() const { return boundary(nullptr); }
+    // If the control cancels, this throws wsp::error of status WSP_CANCELLED.
+    boundary_view boundary(const control& control) const { return boundary(control.get()); }
 
     // Throws WSP_ERR_NOT_VALID with what is wrong. For WSP_VALIDATE_QUALITY give the bound.
     void validate(std::uint32_t level = WSP_VALIDATE_DELAUNAY, double radius_edge = 2.0) const {
@@ -704,6 +721,26 @@ private:
         };
         return {{arrays.points, arrays.points_count}, quads(arrays.tetrahedra), quads(arrays.neighbours),
                 {arrays.regions, arrays.tetrahedra_count}};
+    }
+    boundary_view boundary(wsp_control* control) const {
+        wsp_boundary_view arrays;
+        check(wsp_boundary_view_init(&arrays, sizeof arrays));
+        detail::running_call call;
+        const wsp_status status = call.finish(wsp_triangulation_boundary(get(), control, &arrays));
+        if (status == WSP_CANCELLED) throw error(status, wsp_status_string(status));
+        const auto pairs = [](const std::uint32_t* ids, std::size_t count) {
+            return span<std::array<std::uint32_t, 2>>(reinterpret_cast<const std::array<std::uint32_t, 2>*>(ids), count);
+        };
+        const std::size_t faces = arrays.faces_count, edges = arrays.edges_count, vertices = arrays.vertices_count;
+        return {{reinterpret_cast<const std::array<std::uint32_t, 3>*>(arrays.faces), faces},
+                {arrays.face_facets, faces},
+                {arrays.face_markers, faces},
+                pairs(arrays.face_tetrahedra, faces),
+                pairs(arrays.edges, edges),
+                {arrays.edge_segments, edges},
+                {arrays.edge_markers, edges},
+                {arrays.vertex_kinds, vertices},
+                {arrays.vertex_elements, vertices}};
     }
     std::vector<edge> bad_short_edges(double radius_edge, wsp_control* control) const {
         return detail::list<edge>(
