@@ -44,7 +44,9 @@ pub struct Files {
     /// surfaces (.off, .stl, .ply, .obj), off for others. No facet becomes less planar than a facet must be
     #[arg(long, value_name = "ANGLE", value_parser = parse_angle)]
     pub join_coplanar: Option<f64>,
-    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times
+    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times. A
+    /// tetrahedron's number in .msh and .mesh is its region's attribute if all are different whole numbers above 0, else the region's
+    /// position from 1
     #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
     pub outputs: Vec<OutputFile>,
     /// Print the result as one JSON object
