@@ -24,7 +24,8 @@ pub enum Command {
     Refine(Refine),
     /// Make the Delaunay triangulation of a file's points
     Delaunay(Delaunay),
-    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed
+    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed. Polygons of surfaces that are
+    /// not planar are warnings: they are cut into triangles
     Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
@@ -44,7 +45,9 @@ pub struct Files {
     /// surfaces (.off, .stl, .ply, .obj), off for others. No facet becomes less planar than a facet must be
     #[arg(long, value_name = "ANGLE", value_parser = parse_angle)]
     pub join_coplanar: Option<f64>,
-    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times
+    /// Write the mesh: .vtu, .msh, .mesh, .node and .ele (both for either), or with them .face and .edge; may be given several times. A
+    /// tetrahedron's number in .msh and .mesh is its region's attribute if all are different whole numbers above 0, else the region's
+    /// position from 1
     #[arg(short, long = "output", value_name = "FILE", value_parser = OutputFile::parse)]
     pub outputs: Vec<OutputFile>,
     /// Print the result as one JSON object

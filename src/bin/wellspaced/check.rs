@@ -1,4 +1,4 @@
-//! The command `check`: every defect of a domain.
+//! The command `check`: every defect of a domain. A surface's polygons that are not planar are warnings: they have been cut into triangles.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -19,7 +19,8 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         Content::Points(points) => Plc { points, ..Plc::default() },
     };
     let found = plc.check();
-    let text = if arguments.json { json(&found, &input.source) } else { text(&found, &input.source) };
+    let listed = listed(&found, &input.cut, &input.source);
+    let text = if arguments.json { json(&found, &listed, &input.source) } else { text(&found, &listed, &input.source) };
     std::io::stdout().write_all(text.as_bytes()).map_err(Failure::stdout)?;
     let usable = found.errors().next().is_none();
     usable.then_some(()).ok_or_else(|| Failure::new(""))
@@ -66,14 +67,26 @@ fn element(element: DomainElement, source: &Source) -> Element {
     Element { kind, number, line }
 }
 
-fn severity(defect: &PlcDefect) -> &'static str {
-    match defect.kind.severity() {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    }
+/// A defect as it is told.
+struct Listed<'a> {
+    defect: &'a PlcDefect,
+    severity: &'static str,
+    text: String,
 }
 
-fn json(found: &PlcCheck, source: &Source) -> String {
+/// All defects, errors first: those of the domain, and the polygons that were `cut` to make it one.
+fn listed<'a>(found: &'a PlcCheck, cut: &'a [PlcDefect], source: &Source) -> Vec<Listed<'a>> {
+    let told = |severity, defect| Listed { defect, severity, text: source.describe(defect) };
+    let cut = cut.iter().map(|defect| {
+        let told = told("warning", defect);
+        Listed { text: told.text + "; it is cut into triangles", ..told }
+    });
+    let warnings = found.defects.iter().filter(|defect| defect.kind.severity() == Severity::Warning);
+    let errors = found.errors().map(|defect| told("error", defect));
+    errors.chain(cut).chain(warnings.map(|defect| told("warning", defect))).collect()
+}
+
+fn json(found: &PlcCheck, listed: &[Listed], source: &Source) -> String {
     let elements = |list: &[DomainElement]| list.iter().map(|&e| element(e, source)).collect();
     let finite = |p: DVec3| p.is_finite().then(|| p.to_array());
     let angle = |angle: &SmallAngle| Angle {
@@ -84,17 +97,16 @@ fn json(found: &PlcCheck, source: &Source) -> String {
     let errors = found.errors().count();
     let report = Found {
         errors,
-        warnings: found.defects.len() - errors,
-        defects: found
-            .defects
+        warnings: listed.len() - errors,
+        defects: listed
             .iter()
-            .map(|defect| Defect {
+            .map(|Listed { defect, severity, text }| Defect {
                 kind: defect.kind.name(),
-                severity: severity(defect),
+                severity,
                 elements: elements(&defect.elements),
                 place: finite(defect.place),
                 measure: defect.measure,
-                text: source.describe(defect),
+                text: text.clone(),
             })
             .collect(),
         segment_angle: found.segment_angle.as_ref().map(angle),
@@ -103,13 +115,13 @@ fn json(found: &PlcCheck, source: &Source) -> String {
     serde_json::to_string(&report).unwrap_or_default() + "\n"
 }
 
-fn text(found: &PlcCheck, source: &Source) -> String {
+fn text(found: &PlcCheck, listed: &[Listed], source: &Source) -> String {
     let mut text = String::new();
-    for defect in &found.defects {
-        let _ = writeln!(text, "{}: {}", severity(defect), source.describe(defect));
+    for Listed { severity, text: told, .. } in listed {
+        let _ = writeln!(text, "{severity}: {told}");
     }
     let errors = found.errors().count();
-    let _ = writeln!(text, "{errors} errors, {} warnings", found.defects.len() - errors);
+    let _ = writeln!(text, "{errors} errors, {} warnings", listed.len() - errors);
     let angles = [("segments", &found.segment_angle), ("facets", &found.facet_angle)];
     for (name, angle) in angles {
         let Some(SmallAngle { degrees, elements: [a, b], place }) = angle else { continue };

@@ -9,12 +9,13 @@ mod poly;
 mod source;
 mod stl;
 mod surface;
+mod warped;
 mod xyz;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use wellspaced::Plc;
+use wellspaced::{Plc, PlcDefect};
 
 pub use source::Source;
 
@@ -90,6 +91,8 @@ impl Content {
 pub struct Input {
     pub content: Content,
     pub source: Source,
+    /// The polygons of a surface that were not planar. They can be meshed: each has been cut into triangles.
+    pub cut: Vec<PlcDefect>,
 }
 
 /// Reads a file.
@@ -112,12 +115,15 @@ pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };
+    let mut cut = Vec::new();
     // What these files call a polygon need not be flat; a facet of a complex must be.
     if let (Content::Domain(plc), true) = (&mut content, format.is_surface()) {
+        source.number_facets(plc.facets.len());
         let origins = plc.cut_warped();
         source.cut(&origins);
+        cut = warped::warped(plc, &origins);
     }
-    Ok(Input { content, source })
+    Ok(Input { content, source, cut })
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, Failure> {

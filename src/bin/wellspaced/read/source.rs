@@ -48,6 +48,12 @@ impl Source {
         }
     }
 
+    /// Facets whose lines are not known are numbered, so that they are still named as the file has them when they have been cut or joined.
+    pub fn number_facets(&mut self, count: usize) {
+        let known = self.facets.len();
+        self.facets.extend((known..count).map(|number| Place { line: 0, number }));
+    }
+
     /// Facet `i` has become a part of facet `group[i]` of `count`. Each is named by the first of its parts.
     pub fn join(&mut self, group: &[u32], count: usize) {
         let mut first = vec![Place { line: 0, number: 0 }; count];
@@ -59,9 +65,7 @@ impl Source {
 
     /// New facet `i` is a part of facet `origins[i]`.
     pub fn cut(&mut self, origins: &[u32]) {
-        if !self.facets.is_empty() {
-            self.facets = origins.iter().map(|&old| self.facets[old as usize]).collect();
-        }
+        self.facets = origins.iter().map(|&old| self.facets[old as usize]).collect();
     }
 
     /// The files that were read.

@@ -57,9 +57,11 @@ fn load(dataset: Dataset, arguments: &Table1) -> Result<Input, Failure> {
     let name = format!("{}.poly", dataset.name());
     match &arguments.data {
         Some(folder) => read(&InputFile { path: folder.join(name), format: Format::Poly }),
-        None => {
-            Ok(Input { content: Content::Domain(dataset.build(arguments.seed)), source: Source::new(Path::new(&name)) })
-        }
+        None => Ok(Input {
+            content: Content::Domain(dataset.build(arguments.seed)),
+            source: Source::new(Path::new(&name)),
+            cut: Vec::new(),
+        }),
     }
 }
 

@@ -1,5 +1,8 @@
 //! The command as a user runs it: files, standard output, standard error and exit statuses.
 
+mod checked;
+mod refined;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -239,11 +242,17 @@ fn elements_of_joined_facets_are_named_as_the_file_has_them() {
         "3 0 3 1\n3 0 2 3\n3 4 5 7\n3 4 7 6\n3 0 1 5\n3 0 5 4\n3 2 7 3\n3 2 6 7\n3 0 4 6\n3 0 6 2\n3 1 3 7\n3 1 7 5\n";
     let corners: String = (0..8).map(|i| format!("{} {} {}\n", 4 * (i & 1), 4 * (i >> 1 & 1), 4 * (i >> 2))).collect();
     let spike = "1 1 2\n1 1 6\n2 1 6\n1 2 6\n";
-    let text = format!("OFF\n12 16 0\n{corners}{spike}{cube}3 9 10 11\n3 8 10 9\n3 8 11 10\n3 8 9 11\n");
-    fs::write(folder.join("spike.off"), text).unwrap();
+    let body = format!("{corners}{spike}{cube}3 9 10 11\n3 8 10 9\n3 8 11 10\n3 8 9 11\n");
+    fs::write(folder.join("spike.off"), format!("OFF\n12 16 0\n{body}")).unwrap();
     let (status, message) = failure(&folder, &["refine", "spike.off", "-b", "2"]);
     // Facets 13 to 15 are the spike's at the corner inside, 2 is the top's first half; its own number is 1 once the halves are joined.
     assert_eq!((status, message.as_str()), (1, "spike.off:28: facet 13: goes through facet 2 at (1, 1, 4)\n"));
+    // Also in a file whose lines are not known.
+    let header = "ply\nformat ascii 1.0\nelement vertex 12\nproperty double x\nproperty double y\nproperty double z\n\
+                  element face 16\nproperty list uchar int vertex_indices\nend_header\n";
+    fs::write(folder.join("spike.ply"), format!("{header}{body}")).unwrap();
+    let (status, message) = failure(&folder, &["refine", "spike.ply", "-b", "2"]);
+    assert_eq!((status, message.as_str()), (1, "spike.ply: facet 13: goes through facet 2 at (1, 1, 4)\n"));
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Medit's `.mesh` files, text: each list of elements with a reference number, the marker or region.
+//! Medit's `.mesh` files, text: each list of elements with a reference number. Of vertices, edges and triangles it is the marker; of a
+//! tetrahedron its region's attribute if all regions have whole numbers above 0 that differ, else 1 + the region's position; 0 outside of all.
 
 use std::io::{self, Write};
 
@@ -21,8 +22,8 @@ pub fn write_mesh(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
         writeln!(out, "{} {} {} {marker}", a + 1, b + 1, c + 1)?;
     }
     writeln!(out, "Tetrahedra\n{}", mesh.tetrahedra.len())?;
-    for ([a, b, c, d], region) in mesh.tetrahedra.iter().zip(mesh.regions.iter()) {
-        writeln!(out, "{} {} {} {} {region}", a + 1, b + 1, c + 1, d + 1)?;
+    for ([a, b, c, d], reference) in mesh.tetrahedra.iter().zip(mesh.references()) {
+        writeln!(out, "{} {} {} {} {reference}", a + 1, b + 1, c + 1, d + 1)?;
     }
     writeln!(out, "End")
 }

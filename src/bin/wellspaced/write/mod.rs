@@ -8,12 +8,13 @@ mod tetgen;
 mod vtu;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use wellspaced::domain::Carrier;
-use wellspaced::{Location, Mesh, Plc};
+use wellspaced::{Location, Mesh, Plc, PlcRegion};
 
 pub use tetgen::write_poly;
 
@@ -95,8 +96,12 @@ pub struct OutputMesh<'a> {
     pub point_markers: Vec<i32>,
     /// For each point what it lies on: 0 nothing, 1 it is an input vertex, 2 a segment, 3 a facet.
     pub point_kinds: Vec<u8>,
+    /// For each point the position of the segment or facet that it was put on, by its kind; -1 for other kinds.
+    pub point_elements: Vec<i32>,
     /// For each tetrahedron 0, or 1 + the position of its region in the domain's list.
     pub regions: Vec<u32>,
+    /// For each number in `regions` the one that stands for it in files which know one number only; empty where that is the same.
+    pub region_references: Vec<u32>,
     /// For each tetrahedron its region's attribute; empty when there are no regions.
     pub attributes: Vec<f64>,
     /// The faces on facets, each with the facet's marker.
@@ -114,6 +119,7 @@ impl<'a> OutputMesh<'a> {
         let count = new.points.len();
         new.point_markers = vec![0; count];
         new.point_kinds = vec![0; count];
+        new.point_elements = vec![-1; count];
         if let Some(plc) = plc.filter(|plc| !plc.point_markers.is_empty()) {
             for (point, &marker) in plc.points.iter().zip(&plc.point_markers) {
                 if let Location::Vertex(v) = mesh.triangulation().locate(*point, None) {
@@ -127,6 +133,7 @@ impl<'a> OutputMesh<'a> {
                 _ => plc.regions.get(region as usize - 1).map_or(0.0, |region| region.attribute),
             };
             new.attributes = new.regions.iter().map(attribute).collect();
+            new.region_references = region_references(&plc.regions);
         }
         let Some(boundary) = mesh.boundary() else { return new };
         let renumbered = |v: u32| numbers[v as usize];
@@ -137,14 +144,15 @@ impl<'a> OutputMesh<'a> {
             new.edges.push((edge.map(renumbered), boundary.segments()[segment as usize].marker));
         }
         for v in mesh.triangulation().vertices() {
-            let (kind, marker) = match boundary.carrier(v) {
-                Carrier::Vertex(_) => (1, None),
-                Carrier::Segment(s) => (2, Some(boundary.segments()[s as usize].marker)),
-                Carrier::Facet(f) => (3, Some(boundary.facets()[f as usize].marker)),
-                _ => (u8::from((v as usize) < input_vertices), None),
+            let (kind, element, marker) = match boundary.carrier(v) {
+                Carrier::Vertex(_) => (1, None, None),
+                Carrier::Segment(s) => (2, Some(s), Some(boundary.segments()[s as usize].marker)),
+                Carrier::Facet(f) => (3, Some(f), Some(boundary.facets()[f as usize].marker)),
+                _ => (u8::from((v as usize) < input_vertices), None, None),
             };
             let number = renumbered(v) as usize;
             new.point_kinds[number] = kind;
+            new.point_elements[number] = element.and_then(|element| i32::try_from(element).ok()).unwrap_or(-1);
             new.point_markers[number] = marker.unwrap_or(new.point_markers[number]);
         }
         new
@@ -167,6 +175,21 @@ impl<'a> OutputMesh<'a> {
         let (tetrahedra, regions) = elements.map(|(v, region)| (renumbered(v), region)).unzip();
         OutputMesh { points, tetrahedra, steiner, regions, ..OutputMesh::default() }
     }
+
+    /// For each tetrahedron the number that stands for its region in files which know one number only.
+    fn references(&self) -> impl Iterator<Item = u32> + '_ {
+        let reference = |&region: &u32| self.region_references.get(region as usize).copied().unwrap_or(region);
+        self.regions.iter().map(reference)
+    }
+}
+
+/// The numbers that stand for the regions, behind the 0 outside of all: their attributes, if these can tell them apart in every format; else none.
+fn region_references(regions: &[PlcRegion]) -> Vec<u32> {
+    let mut seen = BTreeSet::new();
+    let whole = |attribute: f64| attribute.fract() == 0.0 && (1.0..=f64::from(i32::MAX)).contains(&attribute);
+    let numbers = regions.iter().map(|region| whole(region.attribute).then_some(region.attribute as u32));
+    let numbers = numbers.map(|number| number.filter(|&number| seen.insert(number)));
+    std::iter::once(Some(0)).chain(numbers).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// The number of each id without those that have no vertex.
@@ -241,6 +264,19 @@ mod tests {
         assert_eq!(*mesh.tetrahedra, [[0, 1, 2, 3]]);
         assert_eq!(mesh.steiner, [false, false, true, true]);
         assert_eq!(*mesh.regions, [3]);
+    }
+
+    #[test]
+    fn attributes_stand_for_regions_that_they_tell_apart() {
+        let references = |attributes: &[f64]| {
+            let region = |&attribute: &f64| PlcRegion { point: DVec3::ZERO, attribute, max_volume: None };
+            region_references(&attributes.iter().map(region).collect::<Vec<_>>())
+        };
+        assert_eq!(references(&[40.0, 30.0]), [0, 40, 30]);
+        assert_eq!(references(&[f64::from(i32::MAX)]), [0, i32::MAX as u32]);
+        for wrong in [[30.0, 30.0], [1.5, 2.0], [0.0, 1.0], [-1.0, 1.0], [2147483648.0, 1.0], [f64::NAN, 1.0]] {
+            assert_eq!(references(&wrong), [0; 0], "{wrong:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,21 @@
-//! VTK's XML files of unstructured grids (`.vtu`), which ParaView opens: tetrahedra with their quality and region as
-//! cell data, Steiner points flagged as point data. Arrays are inline base64 of little-endian numbers behind their length in
+//! VTK's XML files of unstructured grids (`.vtu`), which ParaView opens. Arrays are inline base64 of little-endian numbers behind their length in
 //! bytes, which every reader of the format knows.
+//!
+//! | of points | |
+//! |---|---|
+//! | `steiner` | 1 for points that were added |
+//! | `kind` | what the point lies on: 0 nothing, 1 it is an input vertex, 2 a segment, 3 a facet |
+//! | `element` | the position, from 0, of the segment or facet that the point was put on; -1 for others, also for the input's corners |
+//! | `marker` | the point's own in the input, or that of its segment or facet; else 0 |
+//!
+//! Segments are counted with those of the input first, then facets' sides that are none of these; facets as they are meshed, that is when
+//! polygons have been cut or joined.
+//!
+//! | of tetrahedra | |
+//! |---|---|
+//! | `radius_edge`, `min_dihedral_degrees` | their quality |
+//! | `region` | 0, or 1 + the position of the region |
+//! | `attribute` | the region's attribute, 0 outside of all; where there are regions |
 //!
 //! Written by hand: the document is this one fixed skeleton, without a text that would need escaping, and the
 //! arrays stream through the encoder, so that no second copy of a big mesh is made.
@@ -38,6 +53,8 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
     writeln!(out, r#"<PointData Scalars="steiner">"#)?;
     array(out, r#"type="UInt8" Name="steiner""#, points, mesh.steiner.iter().map(|&flag| [u8::from(flag)]))?;
     array(out, r#"type="UInt8" Name="kind""#, mesh.point_kinds.len(), mesh.point_kinds.iter().map(|&kind| [kind]))?;
+    let elements = mesh.point_elements.iter().map(|&element| element.to_le_bytes());
+    array(out, r#"type="Int32" Name="element""#, mesh.point_elements.len(), elements)?;
     let markers = mesh.point_markers.iter().map(|&marker| marker.to_le_bytes());
     array(out, r#"type="Int32" Name="marker""#, mesh.point_markers.len(), markers)?;
     writeln!(out, "</PointData>")?;
@@ -49,6 +66,10 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &OutputMesh) -> io::Result<()> {
     array(out, r#"type="Float64" Name="min_dihedral_degrees""#, cells, angles)?;
     let regions = mesh.regions.iter().map(|&region| region.to_le_bytes());
     array(out, r#"type="UInt32" Name="region""#, cells, regions)?;
+    if !mesh.attributes.is_empty() {
+        let attributes = mesh.attributes.iter().map(|&attribute| attribute.to_le_bytes());
+        array(out, r#"type="Float64" Name="attribute""#, cells, attributes)?;
+    }
     writeln!(out, "</CellData>")?;
     writeln!(out, "</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 }
@@ -105,6 +126,8 @@ mod tests {
             regions: vec![7],
             point_markers: vec![0, -3, 1, 2],
             point_kinds: vec![1, 1, 2, 0],
+            point_elements: vec![-1, -1, 5, -1],
+            attributes: vec![-2.5],
             ..OutputMesh::default()
         };
         let mut bytes = Vec::new();
@@ -119,6 +142,8 @@ mod tests {
         assert_eq!(decoded(&text, "region"), [7, 0, 0, 0]);
         assert_eq!(decoded(&text, "steiner"), [0, 0, 1, 0]);
         assert_eq!(decoded(&text, "kind"), [1, 1, 2, 0]);
+        assert_eq!(decoded(&text, "element"), [-1, -1, 5, -1i32].map(i32::to_le_bytes).concat());
+        assert_eq!(reals(&text, "attribute"), [-2.5]);
         assert_eq!(decoded(&text, "marker")[4..8], (-3i32).to_le_bytes());
         // The regular tetrahedron: R/l = sqrt(6)/4, dihedral angles acos(1/3).
         assert!((reals(&text, "radius_edge")[0] - 0.375f64.sqrt()).abs() < 1e-14);
@@ -132,6 +157,7 @@ mod tests {
             points: vec![DVec3::ZERO].into(),
             steiner: vec![false],
             point_kinds: vec![1],
+            point_elements: vec![-1],
             point_markers: vec![0],
             ..OutputMesh::default()
         };
@@ -139,5 +165,6 @@ mod tests {
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.ends_with("</VTKFile>\n"));
         assert!(decoded(&text, "radius_edge").is_empty());
+        assert!(!text.contains("\"attribute\""), "without regions");
     }
 }
