@@ -578,6 +578,70 @@ void test_arrays() {
     CHECK(left.size() == 1 && left[0].vertices[0] == 8 && left[0].vertices[1] == 9);
 }
 
+void test_boundary() {
+    // A box of markers 1 to 6, and a sheet of marker -9 in it that two points near its middle would take out.
+    wsp::plc domain;
+    domain.add_box({-1, -1, -1}, {2, 2, 2}, 1);
+    const std::array<wsp::point, 2> free{{{0.5, 0.5, 0.45}, {0.5, 0.5, 0.55}}};
+    domain.add_points(free);
+    const std::array<wsp::point, 4> corners{{{0, 0, 0.5}, {1, 0, 0.5}, {1, 1, 0.5}, {0, 1, 0.5}}};
+    domain.add_points(corners);
+    const std::vector<std::uint32_t> sheet{10, 11, 12, 13};
+    domain.add_facet(sheet, -9);
+
+    wsp::triangulation_options keep;
+    keep.keep_boundary = 1;
+    try {
+        wsp::triangulation(domain, keep);
+        CHECK(false);
+    } catch (const wsp::error& e) {
+        CHECK(e.status() == WSP_ERR_INVALID_DOMAIN && std::string(e.what()).find("facet 6") != std::string::npos);
+    }
+    wsp::triangulation mesh(domain);
+    const wsp::report done = mesh.refine(2.0);
+    const wsp::mesh_view view = mesh.view();
+    const wsp::boundary_view boundary = mesh.boundary();
+    CHECK(boundary.vertex_kinds.size() == view.vertices.size() && boundary.vertex_elements.size() == view.vertices.size());
+    double area[7] = {};
+    for (std::size_t i = 0; i < boundary.faces.size(); ++i) {
+        const std::uint32_t facet = boundary.face_facets[i];
+        CHECK(boundary.face_markers[i] == (facet == 6 ? -9 : static_cast<std::int32_t>(facet) + 1));
+        CHECK((boundary.face_tetrahedra[i][1] == WSP_NONE) == (facet != 6));
+        const double *a = view.vertices.data() + 3 * boundary.faces[i][0], *b = view.vertices.data() + 3 * boundary.faces[i][1],
+                     *c = view.vertices.data() + 3 * boundary.faces[i][2];
+        double u[3], v[3], n[3];
+        for (int k = 0; k < 3; ++k) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
+        for (int k = 0; k < 3; ++k) n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+        area[facet] += 0.5 * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        // Out of the box.
+        if (facet < 6) CHECK(facet % 2 == 0 ? n[facet / 2] < 0 : n[facet / 2] > 0);
+    }
+    for (int facet = 0; facet < 7; ++facet) CHECK(std::abs(area[facet] - (facet == 6 ? 1 : 9)) < 1e-12);
+    std::size_t on_segments = 0, on_facets = 0;
+    for (std::size_t v = 0; v < boundary.vertex_kinds.size(); ++v) {
+        on_segments += boundary.vertex_kinds[v] == WSP_ON_SEGMENT;
+        on_facets += boundary.vertex_kinds[v] == WSP_ON_FACET;
+        CHECK((boundary.vertex_kinds[v] == WSP_ON_VERTEX) == (v < 8 || (v >= 10 && v < 14)));
+    }
+    CHECK(done.on_segments == on_segments && done.on_facets == on_facets && on_facets > 0);
+    double length = 0;
+    for (const auto& edge : boundary.edges) {
+        const double *a = view.vertices.data() + 3 * edge[0], *b = view.vertices.data() + 3 * edge[1];
+        length += std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+    }
+    CHECK(std::abs(length - 40) < 1e-12);  // twelve sides of 3 and four of 1
+    wsp::control control;
+    control.cancel();
+    wsp::triangulation other(domain);
+    try {
+        other.boundary(control);
+        CHECK(false);
+    } catch (const wsp::error& e) {
+        CHECK(e.status() == WSP_CANCELLED);
+    }
+    CHECK(wsp::triangulation().boundary().faces.empty());
+}
+
 void test_threads() {
     const auto points = scattered(3000);
     wsp::triangulation shared;
@@ -613,6 +677,7 @@ int main() {
         test_sizes();
         test_within();
         test_arrays();
+        test_boundary();
         test_threads();
     } catch (const std::exception& e) {
         std::fprintf(stderr, "an exception got out: %s\n", e.what());
