@@ -1,6 +1,6 @@
 // wellspaced/cgal.hpp with the types that users have: kernels, info() at vertices and cells, tags; domains; exceptions.
 //
-//   cgal_host NAME     epick, epeck, parallel, domain, slanted, lower, throwing
+//   cgal_host NAME     epick, epeck, parallel, domain, slanted, lower, far, throwing
 #ifdef WELLSPACED_TEST_TBB
 #define CGAL_LINKED_WITH_TBB
 #endif
@@ -9,11 +9,13 @@
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "wellspaced/cgal.hpp"
 
@@ -72,22 +74,36 @@ void refine(wsp_rule rule, double bound) {
 
 // Each side of a wall through the box, one of them refined.
 void domain() {
-  Plain dt;
-  fill(dt, 150, 6);
-  for (double y : {-3., 3.})
-    for (double z : {-3., 3.}) dt.insert(Plain::Point(0, y, z));
-  // The wall has to be made of facets of the triangulation before it can be the boundary: a few points on it do.
-  for (int i = -11; i <= 11; ++i)
-    for (int j = -11; j <= 11; ++j) dt.insert(Plain::Point(0, 0.25 * i, 0.25 * j));
+  Plain all, dt;
+  fill(all, 150, 6);
+  // The wall has to be made of facets of the triangulation before it can be the boundary: points on it, denser than the others come
+  // near it, see to that.
+  for (auto v = all.finite_vertices_begin(); v != all.finite_vertices_end(); ++v)
+    if (std::abs(v->point().x()) > 0.4) dt.insert(v->point());
+  for (int i = -6; i <= 6; ++i)
+    for (int j = -6; j <= 6; ++j) dt.insert(Plain::Point(0, 0.5 * i, 0.5 * j));
+  for (auto c = dt.finite_cells_begin(); c != dt.finite_cells_end(); ++c) {
+    double least = 0, most = 0;
+    for (int i = 0; i < 4; ++i) {
+      least = std::min(least, c->vertex(i)->point().x());
+      most = std::max(most, c->vertex(i)->point().x());
+    }
+    require(least == 0 || most == 0, "a cell on both sides of the wall");
+  }
   const auto right = [](const Plain::Cell_handle& c) {
     return c->vertex(0)->point().x() + c->vertex(1)->point().x() + c->vertex(2)->point().x() + c->vertex(3)->point().x() > 0;
   };
   bool outside = false;
+  std::size_t on_wall = 0;
   const wc::report done = wc::refine(dt, wc::options(1.8), right, [&](Plain::Vertex_handle v, wc::origin) {
-    outside = outside || v->point().x() < -0.5;
+    outside = outside || v->point().x() < 0;
+    on_wall += v->point().x() == 0;
   });
-  require(done.inserted() > 0 && !outside, "points outside the domain");
-  require(wc::bad_short_edges(dt, 1.8, right).size() <= done.refused, "bad edges are left in the domain");
+  std::printf("domain: %zu points, %zu on the wall\n", done.inserted(), on_wall);
+  require(done.inserted() > on_wall && on_wall > 0 && !outside, "points outside the domain");
+  require(done.status == WSP_DONE && done.refused == 0, "cells were given up");
+  require(wc::bad_short_edges(dt, 1.8, right).empty(), "bad edges are left in the domain");
+  require(!wc::bad_short_edges(dt, 1.8).empty(), "the other side was refined, too");
   require(dt.is_valid(), "the triangulation is not valid");
 }
 
@@ -105,9 +121,25 @@ void slanted() {
   wc::options options(2);
   options.max_vertices = 20000;
   const wc::report done = wc::refine(dt, options);
-  require(done.status != WSP_VERTEX_LIMIT, "no end");
+  require(done.status == WSP_DONE && done.refused == 0, "cells were given up");
   require(dt.is_valid(), "the triangulation is not valid");
-  std::printf("slanted: %zu points, status %d\n", done.inserted(), static_cast<int>(done.status));
+  // A split lies off its side by rounding, in or out: what is between is flat, and was no cell of the hull when the refinement began.
+  const auto is_solid = [&](const Plain::Cell_handle& cell) {
+    for (int side = 0; side < 6; ++side) {
+      bool is_on = true;
+      for (int i = 0; i < 4; ++i) {
+        // Turned back.
+        const auto p = cell->vertex(i)->point();
+        const double y = d * p.y() + e * p.z();
+        const double q[3] = {c * p.x() + s * y, c * y - s * p.x(), d * p.z() - e * p.y()};
+        is_on = is_on && std::abs(q[side / 2] - (side % 2 ? 3 : -3)) < 1e-13;
+      }
+      if (is_on) return false;
+    }
+    return true;
+  };
+  require(wc::bad_short_edges(dt, 2, is_solid).empty(), "bad edges are left");
+  std::printf("slanted: %zu points, %zu bad edges of flat cells\n", done.inserted(), wc::bad_short_edges(dt, 2).size());
 }
 
 void lower() {
@@ -128,6 +160,30 @@ void lower() {
   options.max_vertices = limited.number_of_vertices() + 10;
   require(wc::refine(limited, options).status == WSP_VERTEX_LIMIT, "the limit's status");
   require(limited.number_of_vertices() == options.max_vertices && limited.is_valid(), "the limit");
+}
+
+// Two points 2^-28 apart in a box at 2^21: the default for the shortest edge is 2^-46 of that then, more than 2^-40 of the diagonal.
+void far_away() {
+  const double at = std::ldexp(1, 21), floor = std::ldexp(1, 21 - 46);
+  const auto shortest_new = [&](double min_edge) {
+    Plain dt;
+    for (int i = 0; i < 8; ++i) dt.insert(Plain::Point(at + (i & 1 ? 3 : -3), i & 2 ? 3 : -3, i & 4 ? 3 : -3));
+    dt.insert(Plain::Point(at, 0, 0));
+    dt.insert(Plain::Point(at + std::ldexp(1, -28), 0, 0));
+    wc::options options(2);
+    options.min_edge = min_edge;
+    std::vector<Plain::Vertex_handle> added;
+    const wc::report done = wc::refine(dt, options, wc::everywhere(), [&](Plain::Vertex_handle v, wc::origin) { added.push_back(v); });
+    require(!added.empty() && dt.is_valid(), "the box far away");
+    require((done.status == WSP_UNREFINED) == (min_edge == 0) && (done.refused > 0) == (min_edge == 0), "the status far away");
+    double least = 1;
+    for (auto v : added)
+      for (auto w = dt.finite_vertices_begin(); w != dt.finite_vertices_end(); ++w)
+        if (v != Plain::Vertex_handle(w)) least = std::min(least, std::sqrt(CGAL::squared_distance(v->point(), w->point())));
+    return least;
+  };
+  require(shortest_new(0) >= floor, "a shorter edge than the default's floor");
+  require(shortest_new(std::ldexp(1, -37)) < floor, "no shorter edge where one is allowed");
 }
 
 void throwing() {
@@ -171,6 +227,8 @@ int main(int argc, char** argv) {
       slanted();
     } else if (name == "lower") {
       lower();
+    } else if (name == "far") {
+      far_away();
     } else if (name == "throwing") {
       throwing();
     } else {

@@ -19,7 +19,7 @@
 // Where they or segments meet at less than 60 degrees, cells between may stay bad; the report counts those that were given up.
 //
 // What is kept: handles of vertices stay valid, those of cells as after dt.insert. Kernel, vertex and cell types and tags
-// are free (Fast_location excepted: its hierarchy must be told of points by its own insert); with Parallel_tag nobody else may use `dt` during
+// are free (Fast_location excepted: its hierarchy must be told of points by its own insert; refine does not compile for it); with Parallel_tag nobody else may use `dt` during
 // the call. Coordinates are taken as doubles; new points have double coordinates. Tested with
 // CGAL 5.5.1 in each run of the tests; with 6.0.1 and 6.2.1 the examples and the comparisons with the library's own kernel passed, too (for all
 // tests: -D WELLSPACED_CGAL_INCLUDE=...). Of the triangulation and its data structure what CGAL documents is used (locate, create_cell, create_vertex,
@@ -43,12 +43,14 @@
 #include "../wellspaced.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Location_policy.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -135,6 +137,9 @@ std::vector<typename Dt::Point> steiner_batch(const Dt& dt, const typename Dt::E
 // Inserts Steiner points until no cell of the domain is bad. Below dimension 3 there is nothing to do.
 template <class Dt, class Domain = everywhere, class On_insert = ignore>
 report refine(Dt& dt, const options& o = options(), const Domain& domain = Domain(), On_insert on_insert = On_insert()) {
+    static_assert(!std::is_same<typename Dt::Location_policy, CGAL::Fast_location>::value,
+                  "wellspaced::cgal::refine: no triangulations with CGAL::Fast_location, whose hierarchy has to be told of each point by "
+                  "its own insert; take one with the default, CGAL::Compact_location");
     if (!(o.min_edge >= 0 && o.min_edge <= (std::numeric_limits<double>::max)()))
         throw std::invalid_argument("wellspaced::cgal::refine: min_edge is not a finite length");
     // The sampler checks the other options as soon as it is called: here even if there is nothing to do.

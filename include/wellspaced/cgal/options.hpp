@@ -15,9 +15,10 @@ namespace wellspaced {
 namespace cgal {
 
 struct options {
-    double radius_edge = 2;                                               // bound on circumradius / shortest edge, 0.62 to 1e6
-    wsp_rule rule = WSP_RULE_SPARSE;                                      // how Steiner points are chosen
-    double min_edge = 0;                                                  // no shorter edges; 0: 2^-40 of the bounding box's diagonal
+    double radius_edge = 2;           // bound on circumradius / shortest edge, 0.62 to 1e6
+    wsp_rule rule = WSP_RULE_SPARSE;  // how Steiner points are chosen
+    // No shorter edges. 0: 2^-40 of the bounding box's diagonal, but no less than 2^-46 of the largest coordinate.
+    double min_edge = 0;
     std::size_t max_vertices = (std::numeric_limits<std::size_t>::max)();  // no vertex beyond this many
 
     options() = default;
