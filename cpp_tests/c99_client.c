@@ -613,6 +613,7 @@ static void test_join(void) {
     wsp_triangulation *t = NULL;
     wsp_refine_options options;
     wsp_report report;
+    uint32_t joined[12], parts[9] = {0};
     size_t facets = 99;
     STATUS(WSP_ERR_ARGUMENT, wsp_plc_join_coplanar(plc, -1, &facets));
     STATUS(WSP_ERR_ARGUMENT, wsp_plc_join_coplanar(plc, 90.5, &facets));
@@ -636,8 +637,20 @@ static void test_join(void) {
     /* Neither facets of different markers, nor across a segment of the list. */
     plc = triangles(7);
     DONE(wsp_plc_add_segments(plc, diagonal, 1, NULL));
-    DONE(wsp_plc_join_coplanar_within(plc, 1, NULL, &facets));
+    memset(joined, 99, sizeof joined);
+    STATUS(WSP_ERR_ARGUMENT, wsp_plc_join_coplanar_groups(plc, 1, NULL, joined, 11, &facets));
+    STATUS(WSP_ERR_NULL, wsp_plc_join_coplanar_groups(plc, 1, NULL, NULL, 12, &facets));
+    CHECK(joined[0] == 0x63636363u);
+    DONE(wsp_plc_join_coplanar_groups(plc, 1, NULL, joined, 12, &facets));
     CHECK(facets == 8);
+    for (facets = 0; facets < 12; ++facets) {
+        ++parts[joined[facets] < 8 ? joined[facets] : 8];
+    }
+    /* Each of the eight has one or two of the twelve. */
+    for (facets = 0; facets < 8; ++facets) {
+        CHECK(parts[facets] == 1 || parts[facets] == 2);
+    }
+    CHECK(parts[8] == 0);
     DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
     check_view(t, 1);
     /* The diagonal is a segment still: sizes cut it. */

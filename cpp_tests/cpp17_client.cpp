@@ -377,8 +377,11 @@ void test_check() {
     CHECK(cube.join_coplanar(1, control) == WSP_CANCELLED && cube.facet_count() == 12);
     control.reset();
     CHECK(thrown([&] { cube.join_coplanar(91); }) == WSP_ERR_ARGUMENT);
-    CHECK(cube.join_coplanar(1) == 6 && cube.facet_count() == 6);
-    CHECK(cube.join_coplanar(1, control) == WSP_DONE && cube.facet_count() == 6);
+    const std::vector<std::uint32_t> joined = cube.join_coplanar(1);
+    CHECK(joined.size() == 12 && cube.facet_count() == 6);
+    for (std::uint32_t facet = 0; facet < 6; ++facet) CHECK(std::count(joined.begin(), joined.end(), facet) == 2);
+    std::vector<std::uint32_t> again;
+    CHECK(cube.join_coplanar(1, control, &again) == WSP_DONE && again == std::vector<std::uint32_t>({0, 1, 2, 3, 4, 5}));
     CHECK(std::abs(volume(wsp::triangulation(cube).view()) - 1) < 1e-12);
 
     wsp::plc empty = std::move(cube);

@@ -1349,6 +1349,18 @@ wsp_status wsp_plc_join_coplanar_within(struct wsp_plc *plc,
                                         size_t *facets);
 
 /**
+ * wsp_plc_join_coplanar_within that tells for each facet that there was the number of the one that it is a part of now, in `joined`, which has room for
+ * `capacity` of them. Facets that are given to wsp_triangulation_from_plc after that come back by the new numbers (wsp_triangulation_boundary).
+ * Errors: those of wsp_plc_join_coplanar, and WSP_ERR_ARGUMENT, with nothing changed, where `capacity` is less than the number of facets.
+ */
+wsp_status wsp_plc_join_coplanar_groups(struct wsp_plc *plc,
+                                        double degrees,
+                                        struct wsp_control *control,
+                                        uint32_t *joined,
+                                        size_t capacity,
+                                        size_t *facets);
+
+/**
  * Makes an empty triangulation without a domain. `options` may be NULL: the defaults.
  *
  * `*out` belongs to the caller: free it with wsp_triangulation_free. On an error it is NULL.
@@ -1726,7 +1738,8 @@ wsp_status wsp_sizing_init(struct wsp_sizing *sizing, size_t size);
 
 /**
  * wsp_refine with sizes: a tetrahedron with an edge longer than asked for at its centroid is refined too, within the same boundary
- * rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions count in both functions. The callback runs on the calling thread.
+ * rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions
+ * count in both functions. `sizing` may be NULL: nothing more is asked for then. The callback runs on the calling thread.
  * Errors: as wsp_refine.
  */
 wsp_status wsp_refine_sized(struct wsp_triangulation *triangulation,

@@ -324,7 +324,7 @@ pub unsafe extern "C" fn wsp_check_angle(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_plc_join_coplanar(plc: *mut wsp_plc, degrees: f64, facets: *mut usize) -> wsp_status {
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
-    call("wsp_plc_join_coplanar", || unsafe { join_coplanar(plc, degrees, std::ptr::null_mut(), facets) })
+    call("wsp_plc_join_coplanar", || unsafe { join_coplanar(plc, degrees, std::ptr::null_mut(), None, facets) })
 }
 
 /// wsp_plc_join_coplanar that `control`, which may be NULL, cancels: WSP_CANCELLED then, and the complex is as it was. The control is not looked at
@@ -338,15 +338,34 @@ pub unsafe extern "C" fn wsp_plc_join_coplanar_within(
     facets: *mut usize,
 ) -> wsp_status {
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
-    call("wsp_plc_join_coplanar_within", || unsafe { join_coplanar(plc, degrees, control, facets) })
+    call("wsp_plc_join_coplanar_within", || unsafe { join_coplanar(plc, degrees, control, None, facets) })
+}
+
+/// wsp_plc_join_coplanar_within that tells for each facet that there was the number of the one that it is a part of now, in `joined`, which has room for
+/// `capacity` of them. Facets that are given to wsp_triangulation_from_plc after that come back by the new numbers (wsp_triangulation_boundary).
+/// Errors: those of wsp_plc_join_coplanar, and WSP_ERR_ARGUMENT, with nothing changed, where `capacity` is less than the number of facets.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wsp_plc_join_coplanar_groups(
+    plc: *mut wsp_plc,
+    degrees: f64,
+    control: *mut wsp_control,
+    joined: *mut u32,
+    capacity: usize,
+    facets: *mut usize,
+) -> wsp_status {
+    // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
+    call("wsp_plc_join_coplanar_groups", || unsafe {
+        join_coplanar(plc, degrees, control, Some((joined, capacity)), facets)
+    })
 }
 
 /// # Safety
-/// Each pointer is NULL or live.
+/// Each pointer is NULL or live, and that of `joined` has room for as many as it says.
 unsafe fn join_coplanar(
     plc: *mut wsp_plc,
     degrees: f64,
     control: *mut wsp_control,
+    joined: Option<(*mut u32, usize)>,
     facets: *mut usize,
 ) -> Result<wsp_status, Failure> {
     // SAFETY: as the caller promises, and checked by the function that takes it.
@@ -356,9 +375,22 @@ unsafe fn join_coplanar(
         if !(0.0..=90.0).contains(&degrees) {
             return Err(Failure::new(WSP_ERR_ARGUMENT, format!("degrees is {degrees}, expected 0 to 90")));
         }
-        match plc.join_coplanar_within(degrees, &control) {
+        if let Some((list, capacity)) = joined {
+            let count = plc.facets.len();
+            if capacity < count {
+                let text = format!("capacity is {capacity}, the complex has {count} facets");
+                return Err(Failure::new(WSP_ERR_ARGUMENT, text));
+            }
+            if count > 0 {
+                args::writable(list, "joined")?;
+            }
+        }
+        let groups = match plc.join_coplanar_within(degrees, &control) {
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
-            other => drop(other?),
+            other => other?,
+        };
+        if let Some((list, _)) = joined {
+            std::ptr::copy(groups.as_ptr(), list, groups.len());
         }
         if !facets.is_null() {
             args::store(facets, plc.facets.len(), "facets")?;

@@ -232,7 +232,8 @@ pub unsafe extern "C" fn wsp_sizing_init(sizing: *mut wsp_sizing, size: usize) -
 }
 
 /// wsp_refine with sizes: a tetrahedron with an edge longer than asked for at its centroid is refined too, within the same boundary
-/// rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions count in both functions. The callback runs on the calling thread.
+/// rules. Where sizes are asked for, no Steiner point is taken away again, whatever `sparsify` says. The largest volumes of the complex's regions
+/// count in both functions. `sizing` may be NULL: nothing more is asked for then. The callback runs on the calling thread.
 /// Errors: as wsp_refine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_refine_sized(

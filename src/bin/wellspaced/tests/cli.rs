@@ -80,6 +80,8 @@ fn refine_a_domain() {
             "bad",
             "unrefined",
             "too_large",
+            "on_segments",
+            "on_facets",
             "worst_radius_edge",
             "min_dihedral_degrees",
             "rule",
