@@ -18,7 +18,7 @@ mod tests;
 
 use glam::DVec3;
 
-pub use batch::{sample_arrays, ArrayBatch, ArrayPoint};
+pub use batch::{sample_arrays, ArrayBatch, ArrayOptions, ArrayPoint};
 
 /// A host's mesh. It must be Delaunay, and stay so: points in the batch's cavities are inserted by the empty-sphere rule.
 #[derive(Clone, Copy, Debug, Default)]
