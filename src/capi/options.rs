@@ -125,7 +125,8 @@ pub struct wsp_sampler_options {
     /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
     /// Default: 2.
     pub radius_edge: f64,
-    /// For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one tetrahedron and on the
+    /// For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one
+    /// tetrahedron and on the
     /// view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left and counted. Default: 0.
     pub keep_boundary: u32,
     /// Must be 0.
