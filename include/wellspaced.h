@@ -576,6 +576,22 @@ typedef struct wsp_sampler_options {
      * Default: 2.
      */
     double radius_edge;
+    /**
+     * For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one
+     * tetrahedron and on the
+     * view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left and counted. Default: 0.
+     */
+    uint32_t keep_boundary;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * For wsp_sample_mesh: no point comes nearer than this to a vertex, in the units of the coordinates; what could only be mended so is left and
+     * counted. With it no loop can go on for ever. 0, the default, takes 2^-40 of the diagonal of the points' bounding box, but
+     * no less than 2^-46 of the largest coordinate; so does anything below.
+     */
+    double min_edge;
 } wsp_sampler_options;
 
 /**
@@ -1833,13 +1849,18 @@ wsp_status wsp_is_bad_edge(const double p[3],
 
 /**
  * One round of refinement on the arrays of any mesher: looks for bad short edges and computes points that may all be
- * inserted together. 'Batch, insert, repeat' ends at a batch of no points, with no bad tetrahedron left after WSP_DONE.
+ * inserted together. 'Batch, insert, repeat' ends at a batch of no points, with no bad tetrahedron left after WSP_DONE. That is sure
+ * for a `radius_edge` of 2 or more where segments and facets meet at 60 degrees or more; below, nothing but `min_edge` may end it, after very
+ * many points. Give a host's loop a limit of rounds there (10 for each doubling of the lengths from the smallest feature to the domain, and
+ * 100), or a `min_edge` of about a tenth of the smallest feature: then it ends always, and what is left is counted.
  *
  * `view` is a Delaunay mesh of the domain: its points, tetrahedra, and optionally neighbours (NULL: they are found) and
  * `faces`, `facets`. Faces with a tetrahedron on one side only are the domain's boundary, and `faces` is part of it too: no sample
  * encroaches upon them. A face that one would encroach upon, or a vertex does, is split first: the batch then has a point
- * on it, of origin WSP_ORIGIN_SUBFACET or WSP_ORIGIN_SEGMENT. Edges of the boundary are segments where facets meet; what a facet is,
- * `facets` says, and without numbers exactly coplanar neighbours are of one. Nothing is remembered from round to round.
+ * on it, of origin WSP_ORIGIN_SUBFACET or WSP_ORIGIN_SEGMENT; with `keep_boundary` no such point ever comes, what asks for it is left, and
+ * samples stay out of the diametral ball of each face and segment that no vertex is in, and take none out. Edges of the boundary are
+ * segments where facets meet; what a facet is,
+ * `facets` says, and without numbers coplanar neighbours are of one. Nothing is remembered from round to round.
  *
  * The points of different edges are independent: their cavities (as the empty-sphere rule and exact arithmetic have them,
  * cospherical tetrahedra included) neither meet nor share a face, so the order of insertion does not matter and none comes near
@@ -1847,13 +1868,18 @@ wsp_status wsp_is_bad_edge(const double p[3],
  * the list may be inserted and the rest be left out.
  *
  * A facet that is not parallel to an axis can't hold points exactly: a split may lie off its plane by rounding, with flat
- * tetrahedra between the two. Leave those out of the view, and give faces at the facet its number: a tetrahedron is
- * flat if all its vertices are on one facet, where a split of a subfacet is on its facet and the split of a segment on all facets that both its ends are
+ * tetrahedra between the two. On the outside they are found, and are no part of the domain: tetrahedra without a face in `faces` that are less high
+ * than the least distance (see `min_edge`; its default) are neither judged nor mended, and neighbours of the
+ * boundary that are coplanar but for that are of one facet. At inner facets, leave
+ * them out of the view, and give faces at the facet its number: a tetrahedron is
+ * flat if all its vertices are on one facet, where a split of a subfacet is on its facet and the split of a segment on all facets that
+ * both its ends are
  * on.
  *
  * `options` and `control` may be NULL. `*out` belongs to the caller: free it with wsp_mesh_batch_free. After an error or
  * WSP_CANCELLED it is NULL. WSP_UNREFINED: the batch has no points, but bad tetrahedra are left, because mending them
- * needs edges below 2^-40 of the bounding box, or their shortest edge spans an angle of less than 60 degrees between boundary elements.
+ * needs edges below `min_edge`, or, at angles of less than 60 degrees between boundary elements, such as their shortest edge spans or splits that
+ * make edges shorter than `radius_edge` / 2 times that; or because of `keep_boundary`.
  *
  * Cost: linear in the arrays, about a microsecond a tetrahedron.
  * Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY,

@@ -3,6 +3,7 @@
 use super::guard::{call, Failure};
 use super::sized::{self, Sized_};
 use super::status::*;
+use crate::host::ArrayOptions;
 use crate::{RefineOptions, Rule, Sparsify};
 
 /// How Steiner points are chosen: one of the WSP_RULE_ constants.
@@ -134,16 +135,52 @@ pub struct wsp_sampler_options {
     /// The bound on a tetrahedron's circumradius over its shortest edge, 0.62 to 1e6 (a regular one has 0.612).
     /// Default: 2.
     pub radius_edge: f64,
+    /// For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one
+    /// tetrahedron and on the
+    /// view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left and counted. Default: 0.
+    pub keep_boundary: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// For wsp_sample_mesh: no point comes nearer than this to a vertex, in the units of the coordinates; what could only be mended so is left and
+    /// counted. With it no loop can go on for ever. 0, the default, takes 2^-40 of the diagonal of the points' bounding box, but
+    /// no less than 2^-46 of the largest coordinate; so does anything below.
+    pub min_edge: f64,
 }
 
 // SAFETY: repr(C), numbers only, struct_size first.
 unsafe impl Sized_ for wsp_sampler_options {
     const NAME: &'static str = "wsp_sampler_options";
-    const SIZES: &'static [usize] = &[size_of::<Self>()];
+    // The first version ended before `keep_boundary`.
+    const SIZES: &'static [usize] = &[std::mem::offset_of!(Self, keep_boundary), size_of::<Self>()];
 
     fn defaults() -> Self {
-        let RefineOptions { radius_edge, rule, .. } = RefineOptions::default();
-        wsp_sampler_options { struct_size: 0, rule: rule_number(rule), radius_edge }
+        let ArrayOptions { radius_edge, rule, keep_boundary, min_edge } = ArrayOptions::default();
+        wsp_sampler_options {
+            struct_size: 0,
+            rule: rule_number(rule),
+            radius_edge,
+            keep_boundary: u32::from(keep_boundary),
+            reserved: 0,
+            min_edge,
+        }
+    }
+}
+
+impl wsp_sampler_options {
+    /// What a round on a host's arrays aims at.
+    pub(super) fn for_arrays(&self) -> Result<ArrayOptions, Failure> {
+        if self.reserved != 0 {
+            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", self.reserved)));
+        }
+        let keep_boundary = match self.keep_boundary {
+            0 => false,
+            1 => true,
+            other => return Err(Failure::new(WSP_ERR_OPTION, format!("keep_boundary is {other}, expected 0 or 1"))),
+        };
+        let wsp_sampler_options { radius_edge, min_edge, .. } = *self;
+        let options = ArrayOptions { radius_edge, rule: rule(self.rule)?, keep_boundary, min_edge };
+        options.check()?;
+        Ok(options)
     }
 }
 

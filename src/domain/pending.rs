@@ -43,7 +43,7 @@ const NEEDLE: f64 = 0.9848;
 const AT_NEEDLE: f64 = 0.02;
 
 /// On the shells around an acute vertex a segment is split between a third and two thirds of its length, not in the middle.
-const OFF_MIDDLE: f64 = 0.6;
+pub(crate) const OFF_MIDDLE: f64 = 0.6;
 
 /// At an acute vertex no split comes nearer than this part of the room that it had. Two segments at 20°, cut in the middle, have their cuts at 0.17.
 const ROOM: f64 = 0.15;

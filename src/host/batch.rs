@@ -17,20 +17,48 @@ use super::boundary::Boundary;
 use super::topology::{Cavity, Mesh, Walk, NONE};
 use super::Arrays;
 use crate::domain::boundary::{edge_key, Encroached};
+use crate::domain::pending::OFF_MIDDLE;
 use crate::geometry::circumsphere::triangle_circumcenter;
 use crate::geometry::encroachment::encroaches_facet;
 use crate::geometry::quality::{exceeds_radius_edge, EDGES};
 use crate::geometry::{check_range, flush_tiny};
 use crate::leavings::InPieces;
-use crate::refine::check_radius_edge;
 use crate::sampler::facet::{Arc, VoronoiFacet};
 use crate::sampler::{sample_circumcenter, sample_component, Rule};
 use crate::sorting::sort_by;
 use crate::triangulation::topology::tet_of;
-use crate::{memory, Control, DVec3, Error, Origin, StepOptions};
+use crate::{memory, Control, DVec3, Error, Origin, RefineOptions};
 
 /// Edges longer than this many times the shortest bad one that can be mended wait for a later round.
 pub const WINDOW: f64 = 1.5;
+
+/// What a round aims at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArrayOptions {
+    /// The bound β.
+    pub radius_edge: f64,
+    /// How Steiner points are chosen.
+    pub rule: Rule,
+    /// No point comes on the boundary, and no sample that encroaches upon it: what could only be mended so is left and counted.
+    pub keep_boundary: bool,
+    /// No point is nearer than this to a vertex; less than the default of [`RefineOptions::min_edge`] counts as that.
+    pub min_edge: f64,
+}
+
+impl ArrayOptions {
+    /// Whether each option has a value that it can have.
+    pub fn check(&self) -> Result<(), Error> {
+        let ArrayOptions { radius_edge, rule, keep_boundary, min_edge } = *self;
+        RefineOptions { radius_edge, rule, keep_boundary, min_edge, ..RefineOptions::default() }.check()
+    }
+}
+
+impl Default for ArrayOptions {
+    fn default() -> Self {
+        let RefineOptions { radius_edge, rule, keep_boundary, min_edge, .. } = RefineOptions::default();
+        ArrayOptions { radius_edge, rule, keep_boundary, min_edge }
+    }
+}
 
 /// A Steiner point of a round.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,8 +82,10 @@ pub struct ArrayBatch {
     pub bad_edges: Vec<[u32; 2]>,
     /// Subsegments and subfacets that a vertex encroaches upon.
     pub encroached: usize,
-    /// Bad tetrahedra and encroached elements that can't be mended: that needs an edge below the minimum length, or their
-    /// shortest edge spans an input angle of less than 60°.
+    /// Bad tetrahedra and encroached elements that can't be mended: that needs an edge below the minimum length, or a split of the boundary
+    /// that makes an edge shorter than β/2 times the one to be mended, or this spans an input angle of less than 60°. With a boundary to be
+    /// kept, the bad tetrahedra whose samples all
+    /// encroach upon it, too; elements that a vertex encroaches upon are then not counted, as nothing is asked of them.
     pub refused: usize,
 }
 
@@ -82,6 +112,7 @@ struct Round<'a> {
     boundary: Boundary,
     radius_edge: f64,
     rule: Rule,
+    keep_boundary: bool,
     min_edge: f64,
     /// By tetrahedron: whether a cavity that was taken holds it.
     taken: Vec<bool>,
@@ -102,10 +133,10 @@ struct Round<'a> {
 /// Cost: linear in the arrays, with one in-sphere test a face to check them, plus the candidates' cavities.
 pub fn sample_arrays(
     arrays: &Arrays<'_>,
-    options: &StepOptions,
+    options: &ArrayOptions,
     control: &Control,
 ) -> Result<Option<ArrayBatch>, Error> {
-    check_radius_edge(options.radius_edge)?;
+    options.check()?;
     match sample(arrays, options, control) {
         Ok(batch) => Ok(Some(batch)),
         Err(Error::Cancelled) => Ok(None),
@@ -113,7 +144,7 @@ pub fn sample_arrays(
     }
 }
 
-fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Result<ArrayBatch, Error> {
+fn sample(arrays: &Arrays<'_>, options: &ArrayOptions, control: &Control) -> Result<ArrayBatch, Error> {
     let mut mesh = Mesh::new(arrays, control)?;
     let boundary = match Boundary::new(&mesh, arrays, control) {
         Ok(boundary) => boundary,
@@ -122,13 +153,13 @@ fn sample(arrays: &Arrays<'_>, options: &StepOptions, control: &Control) -> Resu
             return Err(error);
         }
     };
-    let (low, high) = mesh.filter.bounding_box();
     let mut round = Round {
         control,
         taken: memory::zeroed(mesh.tets.len(), "tetrahedra", control)?.keep(),
         radius_edge: options.radius_edge,
         rule: options.rule,
-        min_edge: crate::triangulation::least_edge(low, high),
+        keep_boundary: options.keep_boundary,
+        min_edge: mesh.min_edge.max(options.min_edge),
         mesh,
         boundary,
         tried_segments: FxHashMap::default(),
@@ -153,15 +184,8 @@ impl Round<'_> {
         let control = self.control;
         let encroached = self.boundary.encroached_by_vertices(&self.mesh, control)?;
         self.batch.encroached = encroached.segments.len() + encroached.facets.len();
-        for &edge in &encroached.segments {
-            control.check()?;
-            let outcome = self.split_segment(edge, [NONE; 2])?;
-            self.count(outcome);
-        }
-        for &face in &encroached.facets {
-            control.check()?;
-            let outcome = self.split_facet(face, [NONE; 2])?;
-            self.count(outcome);
+        if !self.keep_boundary {
+            self.split_all(&encroached)?;
         }
         let bad = self.bad(control)?;
         let mut edges = memory::room_in_pieces(bad.len(), "bad short edges", control)?;
@@ -196,6 +220,21 @@ impl Round<'_> {
         Ok(())
     }
 
+    /// Splits what vertices encroach upon.
+    fn split_all(&mut self, encroached: &Encroached) -> Result<(), Error> {
+        for &edge in &encroached.segments {
+            self.control.check()?;
+            let outcome = self.split_segment(edge, [NONE; 2])?;
+            self.count(outcome);
+        }
+        for &face in &encroached.facets {
+            self.control.check()?;
+            let outcome = self.split_facet(face, [NONE; 2])?;
+            self.count(outcome);
+        }
+        Ok(())
+    }
+
     fn count(&mut self, outcome: Outcome) {
         self.batch.refused += usize::from(outcome == Outcome::Refused);
     }
@@ -206,7 +245,7 @@ impl Round<'_> {
         let turns = control.turns();
         for t in 0..self.mesh.tets.len() as u32 {
             turns.check()?;
-            if !exceeds_radius_edge(self.mesh.corners(t), self.radius_edge) {
+            if self.mesh.is_left_out(t) || !exceeds_radius_edge(self.mesh.corners(t), self.radius_edge) {
                 continue;
             }
             let v = self.mesh.tets[t as usize];
@@ -285,7 +324,14 @@ impl Round<'_> {
                     (NONE, between)
                 }
             };
-            if !found.segments.is_empty() || !found.facets.is_empty() {
+            let encroaches = !found.segments.is_empty() || !found.facets.is_empty();
+            // Where a vertex encroaches upon the boundary and nothing is to be done about it, a sample may lie beyond and encroach upon nothing.
+            let is_lost = !encroaches && self.boundary.is_crossed(&self.mesh, p, &cavity, self.control)?;
+            if is_lost || self.keep_boundary && encroaches {
+                // The edge's other samples may still do.
+                continue;
+            }
+            if encroaches {
                 outcome = self.split_encroached(p, &mut found, edge)?;
                 break;
             }
@@ -354,7 +400,9 @@ impl Round<'_> {
         let p = flush_tiny(self.boundary.split_point(&self.mesh, segment));
         let mut cavity = Cavity::default();
         let Some(near) = self.boundary.at_segment(segment) else { return Ok(Outcome::Refused) };
-        if !self.mesh.cavity(p, near, &mut cavity, self.control)? || self.rim_distance(p, &cavity)? < self.min_edge {
+        if !self.mesh.cavity(p, near, &mut cavity, self.control)?
+            || self.rim_distance(p, &cavity)? < self.demanded(edge, &segment)
+        {
             return Ok(Outcome::Refused);
         }
         let point = ArrayPoint { position: p, origin: Origin::Segment(segment), edge, tetrahedron: near };
@@ -378,7 +426,7 @@ impl Round<'_> {
         let Some(near) = self.boundary.at_facet(face).map(tet_of) else { return Ok(Outcome::Refused) };
         if check_range(0, p).is_err()
             || !self.mesh.cavity(p, near, &mut cavity, self.control)?
-            || self.rim_distance(p, &cavity)? < self.min_edge
+            || self.rim_distance(p, &cavity)? < self.demanded(edge, &face)
         {
             return Ok(Outcome::Refused);
         }
@@ -390,8 +438,23 @@ impl Round<'_> {
         if outcome != Outcome::Refused {
             return Ok(outcome);
         }
+        if let Some(segment) = self.boundary.hides(&self.mesh, face, p, self.control)? {
+            // The point would lie outside the facet.
+            return self.split_segment(segment, edge);
+        }
         let point = ArrayPoint { position: p, origin: Origin::Subfacet(face), edge, tetrahedron: near };
         self.take(vec![(point, cavity)])
+    }
+
+    /// How near to a vertex the split of a boundary element with these corners may come, given the bad short edge that asks for it, if one does. See
+    /// `domain::pending`; what follows from a split can't be told from other splits here, and is not asked for more than the least length.
+    fn demanded(&self, edge: [u32; 2], corners: &[u32]) -> f64 {
+        if edge == [NONE; 2] {
+            return self.min_edge;
+        }
+        let length = 0.499 * self.radius_edge * self.mesh.at(edge[0]).distance(self.mesh.at(edge[1]));
+        let part = if self.boundary.has_acute(corners) { OFF_MIDDLE } else { 1.0 };
+        self.min_edge.max(part * length)
     }
 
     /// Takes a candidate, if its cavities are free and share no face with those taken.

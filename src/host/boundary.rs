@@ -17,7 +17,7 @@ use crate::geometry::predicates::orient3d;
 use crate::geometry::quality::EDGES;
 use crate::geometry::Sign;
 use crate::sorting::sort;
-use crate::triangulation::topology::tet_of;
+use crate::triangulation::topology::{tet_of, EVEN_REST};
 use crate::{Control, DVec3, Error};
 
 const ON_SEGMENT: u8 = 1;
@@ -126,6 +126,9 @@ impl Boundary {
         let mut numbers = Vec::new();
         for face in 0..4 * mesh.tets.len() as u32 {
             turns.check()?;
+            if mesh.is_left_out(tet_of(face)) {
+                continue;
+            }
             let across = mesh.across(face);
             let vertices = mesh.face(face);
             let entry = match vertices.iter().all(|&v| listed[v as usize]) {
@@ -289,6 +292,74 @@ impl Boundary {
         Ok(found)
     }
 
+    /// The first subsegment on the way through the facet from a subfacet to a point in its plane: there the facet ends.
+    pub(super) fn hides(
+        &self,
+        mesh: &Mesh<'_>,
+        face: [u32; 3],
+        p: DVec3,
+        control: &Control,
+    ) -> Result<Option<[u32; 2]>, Error> {
+        let Some(mut handle) = self.at_facet(face) else { return Ok(None) };
+        let mut entry = [NONE; 2];
+        let turns = control.turns();
+        // No way is longer, and rounding may lead it in a circle.
+        for _ in 0..self.subfacets.len() {
+            turns.check()?;
+            let beyond = |&(edge, opposite): &([u32; 2], u32)| {
+                let [a, b] = edge.map(|v| mesh.at(v));
+                let along = (b - a).normalize_or_zero();
+                let side = |q: DVec3| (q - a).reject_from_normalized(along);
+                edge != entry && side(p).dot(side(mesh.at(opposite))) < 0.0
+            };
+            let Some((edge, opposite)) = sides(face_key(mesh.face(handle))).into_iter().find(beyond) else { break };
+            if self.subsegments.contains_key(&edge) {
+                return Ok(Some(edge));
+            }
+            let (t, apex) = (tet_of(handle), mesh.apex(handle));
+            let v = mesh.tets[t as usize];
+            let slot = |x: u32| v.iter().position(|&y| y == x);
+            let (Some(i), Some(j)) = (slot(edge[0]), slot(edge[1])) else { break };
+            // Around the edge away from the subfacet, to the next one.
+            let away = v[EVEN_REST[i][j][0]] == opposite;
+            debug_assert!(away || v[EVEN_REST[i][j][0]] == apex);
+            let [i, j] = if away { [i, j] } else { [j, i] };
+            let mut next = NONE;
+            mesh.turn(t, i, j, |face| self.is_wall(mesh, face), |t, k, _| next = 4 * t + k as u32);
+            (handle, entry) = (next, edge);
+        }
+        Ok(None)
+    }
+
+    /// Whether a point's cavity goes through the boundary, so that inserting it would take a subfacet out; or the point lies outside or on
+    /// a subfacet.
+    /// Where no vertex encroaches upon the boundary such a point encroaches upon it, too.
+    pub(super) fn is_crossed(
+        &self,
+        mesh: &Mesh<'_>,
+        p: DVec3,
+        cavity: &Cavity,
+        control: &Control,
+    ) -> Result<bool, Error> {
+        let turns = control.turns();
+        for &t in &cavity.tets {
+            turns.check()?;
+            for slot in 0..4 {
+                if mesh.is_left_out(t) || !self.is_wall(mesh, 4 * t + slot) {
+                    continue;
+                }
+                let mut corners = mesh.corners(t);
+                corners[slot as usize] = p;
+                let [a, b, c, d] = corners;
+                // With tetrahedra on both sides in the cavity, one of them has the point on the wrong side.
+                if orient3d(a, b, c, d) != Sign::Positive {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
     /// Subsegments and subfacets that a vertex of the mesh encroaches upon, in order.
     pub(super) fn encroached_by_vertices(&self, mesh: &Mesh<'_>, control: &Control) -> Result<Encroached, Error> {
         let mut found = Encroached::default();
@@ -349,6 +420,11 @@ impl Boundary {
         crate::domain::acute::split_point([mesh.at(a), mesh.at(b)], [acute(a), acute(b)])
     }
 
+    /// Whether segments meet at less than 60° at one of these vertices.
+    pub(super) fn has_acute(&self, corners: &[u32]) -> bool {
+        corners.iter().any(|&v| self.kind(v) & ACUTE != 0)
+    }
+
     fn carrier(&self, v: u32) -> Carrier {
         self.carriers.get(&v).copied().unwrap_or_default()
     }
@@ -398,6 +474,12 @@ impl Boundary {
     }
 }
 
+/// Whether `c` and `d`, in a plane with `a` and `b`, are on different sides of the line through these.
+fn apart(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> bool {
+    let along = (b - a).normalize_or_zero();
+    (c - a).reject_from_normalized(along).dot((d - a).reject_from_normalized(along)) < 0.0
+}
+
 /// The facet of each face, numbered from 0: the host's numbers first, then one for each set of exactly coplanar neighbours.
 fn group(mesh: &Mesh<'_>, keys: &[[u32; 3]], numbers: &[Option<u32>], edges: &[([u32; 2], u32)]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..keys.len() as u32).collect();
@@ -411,8 +493,8 @@ fn group(mesh: &Mesh<'_>, keys: &[[u32; 3]], numbers: &[Option<u32>], edges: &[(
                 }
                 let [a, b] = edge.map(|v| mesh.at(v));
                 let [c, d] = [i, j].map(|face| mesh.at(opposite(face, edge)));
-                // On the plane, and on the two sides of the edge, which no two faces at it can fail to be unless they overlap.
-                if orient3d(a, b, c, d) == Sign::Zero {
+                // On the plane but for rounding, and on the two sides of the edge.
+                if orient3d(a, b, c, d) == Sign::Zero || mesh.are_coplanar([a, b, c, d]) && apart(a, b, c, d) {
                     unite(&mut parent, i, j);
                 }
             }

@@ -18,7 +18,7 @@ mod tests;
 
 use glam::DVec3;
 
-pub use batch::{sample_arrays, ArrayBatch, ArrayPoint};
+pub use batch::{sample_arrays, ArrayBatch, ArrayOptions, ArrayPoint};
 
 /// A host's mesh. It must be Delaunay, and stay so: points in the batch's cavities are inserted by the empty-sphere rule.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,7 +26,7 @@ pub struct Arrays<'a> {
     /// The vertices. Those of no tetrahedron are not looked at.
     pub points: &'a [DVec3],
     /// Four vertices a tetrahedron, positively oriented: `det[b−a, c−a, d−a] > 0`. They are the domain: a face with a tetrahedron on one
-    /// side only is part of its boundary.
+    /// side only is part of its boundary. Those on the outside that are flat but for rounding are left out of it.
     pub tetrahedra: &'a [[u32; 4]],
     /// The tetrahedron across the face opposite each vertex, `u32::MAX` for none; may be empty.
     pub neighbours: &'a [[u32; 4]],

@@ -1,8 +1,12 @@
 use glam::{DQuat, EulerRot};
 
+mod counts;
+mod hulls;
+mod keep;
+
 use super::*;
 use crate::samples::{on_a_sphere, random_points};
-use crate::{Control, Error, Mesh, Origin, Plc, RefineOptions, Rule, Sparsify, StepOptions, Triangulation};
+use crate::{Control, Error, Origin, Plc, Rule, Triangulation};
 
 fn boxed(points: &[DVec3], half: f64) -> Vec<DVec3> {
     Plc::boxed(DVec3::splat(-half), DVec3::splat(half), points.iter().copied()).points
@@ -24,14 +28,14 @@ impl Host {
         self.t.tetrahedra().collect()
     }
 
-    fn round(&self, options: &StepOptions) -> ArrayBatch {
+    fn round(&self, options: &ArrayOptions) -> ArrayBatch {
         let tetrahedra = self.tetrahedra();
         let arrays = Arrays { points: self.t.points(), tetrahedra: &tetrahedra, ..Arrays::default() };
         sample_arrays(&arrays, options, &Control::new()).unwrap().unwrap()
     }
 
     /// Batch, insert, repeat. Returns the number of rounds.
-    fn refine(&mut self, options: &StepOptions) -> usize {
+    fn refine(&mut self, options: &ArrayOptions) -> usize {
         for round in 0..1000 {
             let batch = self.round(options);
             if batch.points.is_empty() {
@@ -65,7 +69,7 @@ fn cavity_of(t: &Triangulation, p: DVec3) -> Vec<[u32; 4]> {
 fn the_cavities_of_a_batch_do_not_meet() {
     let host = Host::new(&boxed(&random_points(150, 5), 1.5));
     for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
-        let batch = host.round(&StepOptions { radius_edge: 1.5, rule });
+        let batch = host.round(&ArrayOptions { radius_edge: 1.5, rule, ..ArrayOptions::default() });
         let groups: Vec<([u32; 2], Vec<[u32; 4]>)> = batch
             .points
             .iter()
@@ -96,7 +100,7 @@ fn the_cavities_of_a_batch_do_not_meet() {
 #[test]
 fn a_batch_is_the_same_in_any_order_of_the_arrays_and_of_insertion() {
     let host = Host::new(&boxed(&random_points(100, 8), 1.5));
-    let options = StepOptions::default();
+    let options = ArrayOptions::default();
     let batch = host.round(&options);
     let tetrahedra: Vec<[u32; 4]> = host.tetrahedra().into_iter().rev().map(|[a, b, c, d]| [b, c, a, d]).collect();
     let arrays = Arrays { points: host.t.points(), tetrahedra: &tetrahedra, ..Arrays::default() };
@@ -106,40 +110,11 @@ fn a_batch_is_the_same_in_any_order_of_the_arrays_and_of_insertion() {
     assert_eq!(batch.bad_edges, other.bad_edges);
 }
 
-#[test]
-fn the_hosts_loop_ends_near_the_refinements_count() {
-    let mut counts = [0usize; 2];
-    for (points, half) in [(random_points(400, 1), 1.5), (random_points(30, 2), 100.0), (Vec::new(), 1.0)] {
-        for rule in [Rule::Sparse, Rule::Paper, Rule::Circumcenter] {
-            for radius_edge in [1.5, 2.0, 4.0] {
-                let points = boxed(&points, half);
-                let mut host = Host::new(&points);
-                let rounds = host.refine(&StepOptions { radius_edge, rule });
-                host.t.validate(3).unwrap();
-                assert!(rounds < 150, "{rounds} rounds");
-                let mut mesh =
-                    Mesh::from_plc(&Plc::boxed(points[0], points[7], points[8..].iter().copied()), &Control::new())
-                        .unwrap();
-                let own = mesh
-                    .refine(
-                        &RefineOptions { radius_edge, rule, sparsify: Some(Sparsify::Off), ..RefineOptions::default() },
-                        &Control::new(),
-                    )
-                    .unwrap();
-                counts[0] += host.t.vertex_count() - points.len();
-                counts[1] += own.steiner;
-            }
-        }
-    }
-    let [rounds, sequential] = counts;
-    assert!(rounds * 10 <= sequential * 11, "{rounds} Steiner points in rounds, {sequential} one by one");
-}
-
 /// A round mends what lies at about one length, so rounds go with the logarithm of the lengths between the smallest feature and the
 /// domain, and not with the number of vertices.
 #[test]
 fn rounds_grow_with_the_logarithm_of_the_sizes() {
-    let rounds = |points: &[DVec3]| Host::new(points).refine(&StepOptions::default());
+    let rounds = |points: &[DVec3]| Host::new(points).refine(&ArrayOptions::default());
     // Two points at distance 1 in cubes of side 2^k: 8 doublings more cost about as many rounds each time.
     let pair = [DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
     let wide: Vec<usize> = [8, 16, 24, 32].map(|k| rounds(&boxed(&pair, f64::exp2(f64::from(k))))).to_vec();
@@ -184,7 +159,7 @@ fn slanted_boxes_are_refined_too() {
                 faces: &faces,
                 facets: &facets,
             };
-            let batch = sample_arrays(&arrays, &StepOptions::default(), &Control::new()).unwrap().unwrap();
+            let batch = sample_arrays(&arrays, &ArrayOptions::default(), &Control::new()).unwrap().unwrap();
             if batch.points.is_empty() {
                 left = Some((batch.bad_edges.len(), batch.refused));
                 break;
@@ -223,7 +198,7 @@ fn nothing_encroaches_upon_inner_faces() {
             facets: &facets,
             ..Arrays::default()
         };
-        let batch = sample_arrays(&arrays, &StepOptions::default(), &Control::new()).unwrap().unwrap();
+        let batch = sample_arrays(&arrays, &ArrayOptions::default(), &Control::new()).unwrap().unwrap();
         for point in batch.points.iter().filter(|p| p.origin == Origin::Sample) {
             for face in &faces {
                 let corners = face.map(|v| host.t.points()[v as usize]);
@@ -246,7 +221,7 @@ fn arrays_that_are_no_delaunay_mesh_are_refused_by_name() {
     let host = Host::new(&boxed(&random_points(20, 4), 1.5));
     let tetrahedra = host.tetrahedra();
     let points = host.t.points();
-    let round = |arrays: &Arrays<'_>| sample_arrays(arrays, &StepOptions::default(), &Control::new());
+    let round = |arrays: &Arrays<'_>| sample_arrays(arrays, &ArrayOptions::default(), &Control::new());
     let problem = |arrays: &Arrays<'_>| match round(arrays) {
         Err(Error::InvalidMesh { problem }) => problem,
         other => panic!("{other:?}"),
@@ -283,7 +258,7 @@ fn arrays_that_are_no_delaunay_mesh_are_refused_by_name() {
     let control = Control::new();
     control.cancel();
     let arrays = Arrays { points, tetrahedra: &tetrahedra, ..Arrays::default() };
-    assert_eq!(sample_arrays(&arrays, &StepOptions::default(), &control).unwrap(), None);
+    assert_eq!(sample_arrays(&arrays, &ArrayOptions::default(), &control).unwrap(), None);
 }
 
 /// Found by fuzzing: the walk around an edge went to and fro between two such tetrahedra for ever.
@@ -294,7 +269,7 @@ fn tetrahedra_on_the_same_side_of_their_common_face_are_refused() {
     let neighbours = [[u32::MAX, u32::MAX, u32::MAX, 1], [u32::MAX, u32::MAX, u32::MAX, 0]];
     for neighbours in [&neighbours[..], &[]] {
         let arrays = Arrays { points: &points, tetrahedra: &tetrahedra, neighbours, ..Arrays::default() };
-        match sample_arrays(&arrays, &StepOptions::default(), &Control::new()) {
+        match sample_arrays(&arrays, &ArrayOptions::default(), &Control::new()) {
             Err(Error::InvalidMesh { problem }) => {
                 assert!(problem.contains("0 and 1 are on the same side"), "{problem}")
             }
@@ -303,7 +278,10 @@ fn tetrahedra_on_the_same_side_of_their_common_face_are_refused() {
     }
     let itself = [[u32::MAX, u32::MAX, u32::MAX, 0], [u32::MAX; 4]];
     let arrays = Arrays { points: &points, tetrahedra: &tetrahedra, neighbours: &itself, ..Arrays::default() };
-    assert!(matches!(sample_arrays(&arrays, &StepOptions::default(), &Control::new()), Err(Error::InvalidMesh { .. })));
+    assert!(matches!(
+        sample_arrays(&arrays, &ArrayOptions::default(), &Control::new()),
+        Err(Error::InvalidMesh { .. })
+    ));
 }
 
 /// Points on one sphere, as rounding lets them: the first sample's cavity is nearly all there is.
@@ -312,7 +290,7 @@ fn a_round_can_be_cancelled_at_every_look_however_large_its_cavities_are() {
     let host = Host::new(&on_a_sphere(700));
     let tetrahedra = host.tetrahedra();
     let arrays = Arrays { points: host.t.points(), tetrahedra: &tetrahedra, ..Arrays::default() };
-    let options = StepOptions { radius_edge: 2.0, rule: Rule::Sparse };
+    let options = ArrayOptions { radius_edge: 2.0, rule: Rule::Sparse, ..ArrayOptions::default() };
     let control = Control::new();
     let mut whole = None;
     let looks = control.looks(None, || whole = sample_arrays(&arrays, &options, &control).unwrap());

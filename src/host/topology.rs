@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use rustc_hash::FxHashSet;
+
 use super::Arrays;
 use crate::distinct::Distinct;
 use crate::geometry::predicates::orient3d;
@@ -22,6 +24,10 @@ pub struct Mesh<'a> {
     pub tets: &'a [[u32; 4]],
     /// The face handle across each face, [`NONE`] on the outside.
     across: Vec<[u32; 4]>,
+    /// By tetrahedron: whether it is no part of the domain, as [`leave_out_flat`](Self::leave_out_flat) finds. Empty if all are.
+    left_out: Vec<bool>,
+    /// No edge is made shorter than this, and what differs by less is one and the same.
+    pub min_edge: f64,
     pub filter: Filter,
 }
 
@@ -85,7 +91,9 @@ impl<'a> Mesh<'a> {
         if arrays.neighbours.is_empty() {
             *across = find_neighbours(points.len(), tets, control)?;
         }
-        let mut mesh = Mesh { points, tets, across: Vec::new(), filter };
+        let (low, high) = filter.bounding_box();
+        let min_edge = crate::triangulation::least_edge(low, high);
+        let mut mesh = Mesh { points, tets, across: Vec::new(), left_out: Vec::new(), min_edge, filter };
         for t in 0..tets.len() as u32 {
             turns.check()?;
             let [a, b, c, d] = mesh.corners(t);
@@ -98,10 +106,10 @@ impl<'a> Mesh<'a> {
             *across = mesh.handles(arrays.neighbours, control)?;
         }
         mesh.across = across.keep();
-        match mesh.check_delaunay(control) {
+        match mesh.check_delaunay(control).and_then(|()| mesh.leave_out_flat(arrays.faces, control)) {
             Ok(()) => Ok(mesh),
             Err(error) => {
-                control.give_back(mesh.across);
+                mesh.give_back_to(control);
                 Err(error)
             }
         }
@@ -110,6 +118,60 @@ impl<'a> Mesh<'a> {
     /// Gives its memory back.
     pub fn give_back_to(&mut self, control: &Control) {
         control.give_back(std::mem::take(&mut self.across));
+        control.give_back(std::mem::take(&mut self.left_out));
+    }
+
+    /// Takes flat tetrahedra on the outside for no part of the domain, unless they have a face that the host names. Points on a slanted
+    /// facet lie off its
+    /// plane by rounding, and then such tetrahedra lie between them: they can't be mended, and with them the facet would be torn into pieces.
+    fn leave_out_flat(&mut self, faces: &[[u32; 3]], control: &Control) -> Result<(), Error> {
+        let turns = control.turns();
+        let mut named = FxHashSet::default();
+        for &face in faces {
+            turns.check()?;
+            named.insert(face_key(face));
+        }
+        let mut left_out = memory::room_in_pieces(0, "tetrahedra", control)?;
+        let mut next = Vec::new();
+        for t in 0..self.tets.len() as u32 {
+            turns.check()?;
+            next.extend(self.across[t as usize].contains(&NONE).then_some(t));
+            // Layers of them are followed inwards.
+            while let Some(t) = next.pop() {
+                turns.check()?;
+                let is_named = |slot: u32| named.contains(&face_key(self.face(4 * t + slot)));
+                if left_out.get(t as usize).is_some_and(|&out| out) || !self.is_flat(t) || (0..4).any(is_named) {
+                    continue;
+                }
+                if left_out.is_empty() {
+                    *left_out = memory::filled(self.tets.len(), false, "tetrahedra", control)?.keep();
+                }
+                left_out[t as usize] = true;
+                next.extend(self.across[t as usize].iter().filter(|&&face| face != NONE).map(|&face| tet_of(face)));
+            }
+        }
+        self.left_out = left_out.keep();
+        Ok(())
+    }
+
+    /// Whether a tetrahedron's extent across a plane, or a line, is nothing but rounding.
+    fn is_flat(&self, t: u32) -> bool {
+        self.are_coplanar(self.corners(t))
+    }
+
+    /// Whether four points are on one plane but for rounding.
+    pub fn are_coplanar(&self, [a, b, c, d]: [DVec3; 4]) -> bool {
+        let longest = |all: &[DVec3]| all.iter().map(|v| v.length()).fold(0.0, f64::max);
+        let (b, c, d) = (b - a, c - a, d - a);
+        let area = longest(&[b.cross(c), c.cross(d), d.cross(b), (c - b).cross(d - b)]);
+        // Of points on one line the volume and the areas say nothing.
+        let width = area / longest(&[b, c, d, c - b, d - c, b - d]);
+        b.cross(c).dot(d).abs() < area * self.min_edge || width < self.min_edge
+    }
+
+    /// Whether a tetrahedron is no part of the domain.
+    pub fn is_left_out(&self, t: u32) -> bool {
+        self.left_out.get(t as usize).is_some_and(|&out| out)
     }
 
     /// The host's neighbours as face handles.
@@ -198,9 +260,20 @@ impl<'a> Mesh<'a> {
         self.tets[t as usize].map(|v| self.at(v))
     }
 
-    /// The face on the other side of a face, [`NONE`] on the outside.
+    /// The face on the other side of a face, [`NONE`] on the outside of the domain.
     #[inline]
     pub fn across(&self, face: u32) -> u32 {
+        let across = self.behind(face);
+        if across != NONE && self.is_left_out(tet_of(across)) {
+            NONE
+        } else {
+            across
+        }
+    }
+
+    /// The face on the other side of a face in the host's mesh, be it in the domain or not.
+    #[inline]
+    pub fn behind(&self, face: u32) -> u32 {
         self.across[tet_of(face) as usize][slot_of(face)]
     }
 
@@ -267,7 +340,8 @@ impl<'a> Mesh<'a> {
         while next < tets.len() {
             turns.check()?;
             for slot in 0..4 {
-                let across = self.across(4 * tets[next] + slot);
+                // Flat tetrahedra go with it too, and two cavities may have such a one in common.
+                let across = self.behind(4 * tets[next] + slot);
                 let t = tet_of(across);
                 if across == NONE || !seen.insert(t) {
                     continue;

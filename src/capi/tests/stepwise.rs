@@ -346,3 +346,58 @@ fn predicates_and_qualities_for_hosts() {
         assert_eq!(wsp_bad_tetrahedra(corners.as_ptr().cast(), 6, 0.1, bad.as_mut_ptr()), WSP_ERR_OPTION);
     }
 }
+
+#[test]
+fn the_boundary_of_a_mesh_in_arrays_can_be_kept() {
+    let t = box_and_points();
+    let view = t.view();
+    // SAFETY: structs of numbers, live arrays of the sizes given.
+    unsafe {
+        let mut options: wsp_sampler_options = std::mem::zeroed();
+        done(wsp_sampler_options_init(&mut options, size_of::<wsp_sampler_options>()));
+        assert_eq!((options.keep_boundary, options.reserved), (0, 0));
+        let round = |options: &wsp_sampler_options| {
+            let mut batch = null_mut();
+            let status = wsp_sample_mesh(&view, options, null_mut(), &mut batch);
+            let all = array(wsp_mesh_batch_points(batch), wsp_mesh_batch_count(batch)).to_vec();
+            let refused = wsp_mesh_batch_refused(batch);
+            wsp_mesh_batch_free(batch);
+            (status, all, refused)
+        };
+        let splits = |all: &[wsp_steiner_point]| all.iter().filter(|p| p.origin.kind != WSP_ORIGIN_SAMPLE).count();
+        let (status, all, _) = round(&options);
+        done(status);
+        assert!(splits(&all) > 0, "{all:?}");
+        options.keep_boundary = 1;
+        let (status, kept, refused) = round(&options);
+        assert!(status == WSP_DONE || status == WSP_UNREFINED && kept.is_empty());
+        assert!(splits(&kept) == 0 && refused > 0, "{kept:?}");
+        // A program of before the field: it is not read.
+        let first = size_of::<wsp_sampler_options>();
+        options.struct_size = std::mem::offset_of!(wsp_sampler_options, keep_boundary) as u32;
+        assert!((options.struct_size as usize) < first);
+        (options.keep_boundary, options.reserved) = (7, 7);
+        assert_eq!(round(&options), (WSP_DONE, all, 0));
+        options.struct_size = first as u32;
+        let refuse = |options: &wsp_sampler_options, name: &str| {
+            let mut batch = std::ptr::dangling_mut();
+            assert_eq!(wsp_sample_mesh(&view, options, null_mut(), &mut batch), WSP_ERR_OPTION);
+            assert!(batch.is_null() && last_error().contains(name), "{}", last_error());
+        };
+        refuse(&options, "reserved");
+        options.reserved = 0;
+        refuse(&options, "keep_boundary is 7");
+        options.keep_boundary = 0;
+        for nonsense in [-1.0, f64::NAN, f64::INFINITY] {
+            options.min_edge = nonsense;
+            refuse(&options, "min_edge");
+        }
+        // Nothing is as far from a vertex as that.
+        options.min_edge = 100.0;
+        let (status, all, refused) = round(&options);
+        assert!(status == WSP_UNREFINED && all.is_empty() && refused > 0, "{all:?}");
+        // Nothing is written beyond an older struct.
+        done(wsp_sampler_options_init(&mut options, std::mem::offset_of!(wsp_sampler_options, keep_boundary)));
+        assert_eq!((options.struct_size, options.min_edge), (16, 100.0));
+    }
+}
