@@ -7,8 +7,8 @@
 
 use std::time::{Duration, Instant};
 
-use wellspaced::host::{sample_arrays, Arrays};
-use wellspaced::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, RefineOptions, Sparsify, StepOptions};
+use wellspaced::host::{sample_arrays, ArrayOptions, Arrays};
+use wellspaced::{Control, DVec3, Mesh, Plc, PlcFacet, PlcSegment, RefineOptions, Sparsify};
 
 fn scattered(count: usize) -> Vec<DVec3> {
     let mut state = 7u64;
@@ -348,7 +348,7 @@ fn main() {
                 &format!("a round on arrays of {count}, {} neighbours", neighbours.len()),
                 8,
                 || (),
-                |(), control| sample_arrays(&arrays, &StepOptions::default(), control),
+                |(), control| sample_arrays(&arrays, &ArrayOptions::default(), control),
             );
         }
         let limits = RefineOptions { max_vertices: count + count / 20, ..RefineOptions::default() };

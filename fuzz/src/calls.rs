@@ -392,7 +392,11 @@ impl Pool {
         let slot = bytes.below(2);
         ask_free(&mut self.mesh_batches[slot], wsp_mesh_batch_free);
         let control = self.control(null_mut(), bytes);
-        let status = ask!(wsp_sample_mesh(&host, null(), control, &mut self.mesh_batches[slot]));
+        // SAFETY: numbers.
+        let mut options: wsp_sampler_options = unsafe { std::mem::zeroed() };
+        ask!(wsp_sampler_options_init(&mut options, size_of::<wsp_sampler_options>()));
+        options.keep_boundary = u32::from(bytes.byte() % 3 == 0);
+        let status = ask!(wsp_sample_mesh(&host, &options, control, &mut self.mesh_batches[slot]));
         assert_eq!(self.mesh_batches[slot].is_null(), !(status == WSP_DONE || status == WSP_UNREFINED));
         let batch = self.mesh_batches[slot];
         let mut count = 0;

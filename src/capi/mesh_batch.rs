@@ -48,42 +48,42 @@ fn steiner_point(point: &ArrayPoint, rule: wsp_rule) -> wsp_steiner_point {
 }
 
 /// One round of refinement on the arrays of any mesher: looks for bad short edges and computes points that may all be
-/// inserted together. 'Batch, insert, repeat' ends at a batch of no points, with no bad tetrahedron left after WSP_DONE. That is sure
-/// for a `radius_edge` of 2 or more where segments and facets meet at 60 degrees or more; below, nothing but `min_edge` may end it, after very
-/// many points. Give a host's loop a limit of rounds there (10 for each doubling of the lengths from the smallest feature to the domain, and
-/// 100), or a `min_edge` of about a tenth of the smallest feature: then it ends always, and what is left is counted.
+/// inserted together. 'Batch, insert, repeat' ends at a batch of no points, with no bad tetrahedron left after
+/// WSP_DONE. That is sure for a `radius_edge` of 2 or more where segments and facets meet at 60 degrees or more; below,
+/// nothing but `min_edge` may end it, after very many points. Give a host's loop a limit of rounds there (10 for each
+/// doubling of the lengths from the smallest feature to the domain, and 100), or a `min_edge` of about a tenth of the
+/// smallest feature: then it ends always, and what is left is counted.
 ///
-/// `view` is a Delaunay mesh of the domain: its points, tetrahedra, and optionally neighbours (NULL: they are found) and
-/// `faces`, `facets`. Faces with a tetrahedron on one side only are the domain's boundary, and `faces` is part of it too: no sample
-/// encroaches upon them. A face that one would encroach upon, or a vertex does, is split first: the batch then has a point
-/// on it, of origin WSP_ORIGIN_SUBFACET or WSP_ORIGIN_SEGMENT; with `keep_boundary` no such point ever comes, what asks for it is left, and
-/// samples stay out of the diametral ball of each face and segment that no vertex is in, and take none out. Edges of the boundary are
-/// segments where facets meet; what a facet is,
-/// `facets` says, and without numbers coplanar neighbours are of one. Nothing is remembered from round to round.
+/// `view` is a Delaunay mesh of the domain: its points, tetrahedra, and optionally neighbours (NULL: they are found)
+/// and `faces`, `facets`. Faces with a tetrahedron on one side only are the domain's boundary, and `faces` is part of
+/// it too: no sample encroaches upon them. A face that one would encroach upon, or a vertex does, is split first: the
+/// batch then has a point on it, of origin WSP_ORIGIN_SUBFACET or WSP_ORIGIN_SEGMENT; with `keep_boundary` no such
+/// point ever comes, what asks for it is left, and samples stay out of the diametral ball of each face and segment that
+/// no vertex is in, and take none out. Edges of the boundary are segments where facets meet; what a facet is, `facets`
+/// says, and without numbers coplanar neighbours are of one. Nothing is remembered from round to round.
 ///
-/// The points of different edges are independent: their cavities (as the empty-sphere rule and exact arithmetic have them,
-/// cospherical tetrahedra included) neither meet nor share a face, so the order of insertion does not matter and none comes near
-/// another. The points of one edge stand together; their cavities may overlap, and they keep their distances. Any first part of
-/// the list may be inserted and the rest be left out.
+/// The points of different edges are independent: their cavities (as the empty-sphere rule and exact arithmetic have
+/// them, cospherical tetrahedra included) neither meet nor share a face, so the order of insertion does not matter and
+/// none comes near another. The points of one edge stand together; their cavities may overlap, and they keep their
+/// distances. Any first part of the list may be inserted and the rest be left out.
 ///
-/// A facet that is not parallel to an axis can't hold points exactly: a split may lie off its plane by rounding, with flat
-/// tetrahedra between the two. On the outside they are found, and are no part of the domain: tetrahedra without a face in `faces` that are less high
-/// than the least distance (see `min_edge`; its default) are neither judged nor mended, and neighbours of the
-/// boundary that are coplanar but for that are of one facet. At inner facets, leave
-/// them out of the view, and give faces at the facet its number: a tetrahedron is
-/// flat if all its vertices are on one facet, where a split of a subfacet is on its facet and the split of a segment on all facets that
-/// both its ends are
-/// on.
+/// A facet that is not parallel to an axis can't hold points exactly: a split may lie off its plane by rounding, with
+/// flat tetrahedra between the two. On the outside they are found, and are no part of the domain: tetrahedra without a
+/// face in `faces` that are less high than the least distance (see `min_edge`; its default) are neither judged nor
+/// mended, and neighbours of the boundary that are coplanar but for that are of one facet. At inner facets, leave them
+/// out of the view, and give faces at the facet its number: a tetrahedron is flat if all its vertices are on one facet,
+/// where a split of a subfacet is on its facet and the split of a segment on all facets that both its ends are on.
 ///
-/// `options` and `control` may be NULL. `*out` belongs to the caller: free it with wsp_mesh_batch_free. After an error or
-/// WSP_CANCELLED it is NULL. WSP_UNREFINED: the batch has no points, but bad tetrahedra are left, because mending them
-/// needs edges below `min_edge`, or, at angles of less than 60 degrees between boundary elements, such as their shortest edge spans or splits that
-/// make edges shorter than `radius_edge` / 2 times that; or because of `keep_boundary`.
+/// `options` and `control` may be NULL. `*out` belongs to the caller: free it with wsp_mesh_batch_free. After an error
+/// or WSP_CANCELLED it is NULL. WSP_UNREFINED: the batch has no points, but bad tetrahedra are left, because mending
+/// them needs edges below `min_edge`, or, at angles of less than 60 degrees between boundary elements, such as their
+/// shortest edge spans or splits that make edges shorter than `radius_edge` / 2 times that; or because of
+/// `keep_boundary`.
 ///
 /// Cost: linear in the arrays, about a microsecond a tetrahedron.
-/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_TOO_MANY,
-/// WSP_ERR_NOT_VALID (a tetrahedron is flat, negative or not Delaunay, names no vertex, or neighbours are wrong: the
-/// text says which).
+/// Errors: WSP_ERR_NULL, WSP_ERR_STRUCT_SIZE, WSP_ERR_OPTION, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE,
+/// WSP_ERR_TOO_MANY, WSP_ERR_NOT_VALID (a tetrahedron is flat, negative or not Delaunay, names no vertex, or neighbours
+/// are wrong: the text says which).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn wsp_sample_mesh(
     view: *const wsp_mesh_view,
