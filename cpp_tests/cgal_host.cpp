@@ -1,6 +1,6 @@
 // wellspaced/cgal.hpp with the types that users have: kernels, info() at vertices and cells, tags; domains; exceptions.
 //
-//   cgal_host NAME     epick, epeck, parallel, domain, slanted, lower, far, throwing
+//   cgal_host NAME     epick, epeck, parallel, domain, slanted, hulls, lower, far, throwing
 #ifdef WELLSPACED_TEST_TBB
 #define CGAL_LINKED_WITH_TBB
 #endif
@@ -142,6 +142,44 @@ void slanted() {
   std::printf("slanted: %zu points, %zu bad edges of flat cells\n", done.inserted(), wc::bad_short_edges(dt, 2).size());
 }
 
+// Hulls of a few random points, whose facets are slanted and meet at all angles: each ends, and says what is left.
+void hulls() {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> inside(0.0, 1.0);
+    Plain dt;
+    for (unsigned i = 0; i < 4 + 3 * seed; ++i) {
+      const double x = inside(random), y = inside(random), z = inside(random);
+      dt.insert(Plain::Point(x, y, z));
+    }
+    const std::size_t before = dt.number_of_vertices();
+    std::size_t told = 0;
+    const wc::report done =
+        wc::refine(dt, wc::options(2), wc::everywhere(), [&](Plain::Vertex_handle v, wc::origin) { told += dt.is_vertex(v); });
+    const std::size_t left = wc::bad_short_edges(dt, 2).size();
+    std::printf("hull %u: %zu points, %zu cells given up, %zu bad edges\n", seed, done.inserted(), done.refused, left);
+    require(told == done.inserted() && dt.number_of_vertices() == before + told, "the callback's count");
+    require(done.status == (done.refused > 0 ? WSP_UNREFINED : WSP_DONE), "the status of a hull");
+    require(left <= done.refused && (left > 0) == (done.refused > 0), "bad edges that the report does not count");
+    require(dt.number_of_vertices() < 3000 && dt.is_valid(), "the triangulation of a hull");
+  }
+  // A cube of which no facet is exactly planar, whose second refinement comes upon its own points.
+  Plain cube;
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  for (int i = 0; i < 8; ++i) {
+    const double x = i & 1, y = i >> 1 & 1, z = i >> 2 & 1, v = s * x + c * y;
+    cube.insert(Plain::Point(c * x - s * y, c * v - s * z, s * v + c * z));
+  }
+  require(wc::refine(cube, wc::options(1.5)).status == WSP_DONE && wc::bad_short_edges(cube, 1.5).empty(), "a turned cube");
+  wc::options limited(1.5);
+  limited.max_vertices = 1000;
+  wc::refine(cube, limited);
+  // The way of domains, too, which looks at cells with corners where its points are to come.
+  const auto all = [](const Plain::Cell_handle&) { return true; };
+  wc::refine(cube, limited, all);
+  require(cube.is_valid(), "the turned cube, refined again");
+}
+
 void lower() {
   Plain dt;
   require(wc::refine(dt).inserted() == 0, "the empty triangulation");
@@ -225,6 +263,8 @@ int main(int argc, char** argv) {
       domain();
     } else if (name == "slanted") {
       slanted();
+    } else if (name == "hulls") {
+      hulls();
     } else if (name == "lower") {
       lower();
     } else if (name == "far") {

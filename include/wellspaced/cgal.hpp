@@ -17,6 +17,10 @@
 /// neighbours make a facet, edges between facets are segments. Facets and segments are split where a vertex or a sample encroaches upon them
 /// (rules 1 to 3 of the paper), and no sample leaves the domain. The boundary need not be parallel to the axes, but facets must be convex.
 /// Where they or segments meet at less than 60 degrees, cells between may stay bad; the report counts those that were given up.
+/// Points on a facet that is not parallel to two axes lie off its plane by rounding. A convex hull with such facets is therefore refined by the
+/// library's own kernel, whose Steiner points are inserted here (cgal/hull.hpp): that ends whatever the angles. The flat cells that rounding leaves at the
+/// outside are no part of the hull then, and bad_short_edges(dt, beta) does not count them; call refine once, for the next call would take the points
+/// beside the facets for corners. With a `domain` of slanted facets, and angles below 60 degrees, give options::max_vertices.
 ///
 /// What is kept: handles of vertices stay valid, those of cells as after dt.insert. Kernel, vertex and cell types and tags
 /// are free (Fast_location excepted: its hierarchy must be told of points by its own insert; refine does not compile for it); with
@@ -51,11 +55,13 @@
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "cgal/boundary.hpp"
 #include "cgal/geometry.hpp"
+#include "cgal/hull.hpp"
 #include "cgal/options.hpp"
 #include "cgal/refiner.hpp"
 
@@ -64,8 +70,8 @@ namespace wellspaced {
 /// wellspaced in CGAL's triangulations.
 namespace cgal {
 
-/// The bad short edges for a bound, the shortest first: no finite cell is bad if there are none. An edge is CGAL's triple of a
-/// cell and two slots in it; the cell is a bad one. Linear in the triangulation.
+/// The bad short edges for a bound, the shortest first: no finite cell is bad if there are none, but for those that rounding has left at the outside
+/// of a slanted hull. An edge is CGAL's triple of a cell and two slots in it; the cell is a bad one. Linear in the triangulation.
 template <class Dt, class Domain = everywhere>
 std::vector<typename Dt::Edge> bad_short_edges(const Dt& dt, double radius_edge, const Domain& domain = Domain()) {
     struct found {
@@ -74,10 +80,12 @@ std::vector<typename Dt::Edge> bad_short_edges(const Dt& dt, double radius_edge,
         typename Dt::Edge edge;
     };
     std::vector<found> all;
+    std::unordered_set<const void*> flat;
+    if (std::is_same<Domain, everywhere>::value && dt.dimension() == 3) flat = detail::flat_outside(dt);
     if (dt.dimension() == 3)
         for (auto c = dt.finite_cells_begin(); c != dt.finite_cells_end(); ++c) {
             const detail::corners p = detail::corners_of(c);
-            if (!domain(c) || !detail::is_bad(p, radius_edge)) continue;
+            if (!domain(c) || flat.count(&*c) != 0 || !detail::is_bad(p, radius_edge)) continue;
             int i = 0, j = 1;
             double least = std::numeric_limits<double>::infinity();
             for (int a = 0; a < 4; ++a)
@@ -150,6 +158,7 @@ report refine(Dt& dt, const options& o = options(), const Domain& domain = Domai
     std::size_t count = 0;
     detail::check(wsp_sample_edge(unit, unit + 3, unit + 6, 2, 0, &s, nullptr, 0, &count));
     if (dt.dimension() < 3) return report();
+    if (std::is_same<Domain, everywhere>::value && !detail::is_box_like(dt)) return detail::refine_hull(dt, o, on_insert);
     return detail::refiner<Dt, Domain, On_insert>(dt, o, domain, on_insert).run();
 }
 

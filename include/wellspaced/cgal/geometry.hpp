@@ -61,6 +61,24 @@ vec to_vec(const Point& p) {
     return {CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z())};
 }
 
+// The default for the shortest edge: 2^-40 of the bounding box's diagonal, but no less than 2^-46 of the largest coordinate.
+template <class Dt>
+double default_min_edge(const Dt& dt) {
+    vec low, high;
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+    double largest = 0;
+    for (auto v = dt.finite_vertices_begin(); v != dt.finite_vertices_end(); ++v) {
+        const vec p = to_vec(v->point());
+        for (int k = 0; k < 3; ++k) {
+            low[k] = (std::min)(low[k], p[k]), high[k] = (std::max)(high[k], p[k]);
+            largest = (std::max)(largest, std::abs(p[k]));
+        }
+    }
+    // Far from the origin, coordinates round more coarsely than a small box's diagonal tells.
+    return (std::max)(std::sqrt(squared_distance(low, high)) * std::ldexp(1, -40), largest * std::ldexp(1, -46));
+}
+
 // The circumcentre of a triangle. Where the corners share a coordinate exactly, so does the result.
 inline vec triangle_circumcenter(const vec& a, const vec& b, const vec& c) {
     const vec u = b - a, v = c - a, n = cross(u, v);

@@ -61,6 +61,9 @@ public:
         at_ = point(p[0], p[1], p[2]);
         infinite_ = dt_.infinite_vertex();
         cell start = near;
+        // Of a cell's own corner its sphere can't be asked.
+        for (int k = 0; k < 4; ++k)
+            if (near->vertex(k) != infinite_ && near->vertex(k)->point() == at_) return false;
         if (dt_.is_infinite(near) || !conflicts(near)) {
             typename Dt::Locate_type type;
             int i, j;

@@ -103,19 +103,7 @@ public:
           boundary_(dt, domain, number(dt)),
           queue_(dt, numbers_),
           hole_(dt, o.radius_edge) {
-        vec low, high;
-        low.fill(std::numeric_limits<double>::infinity());
-        high.fill(-std::numeric_limits<double>::infinity());
-        double largest = 0;
-        for (auto v = dt.finite_vertices_begin(); v != dt.finite_vertices_end(); ++v) {
-            const vec p = to_vec(v->point());
-            for (int k = 0; k < 3; ++k) {
-                low[k] = (std::min)(low[k], p[k]), high[k] = (std::max)(high[k], p[k]);
-                largest = (std::max)(largest, std::abs(p[k]));
-            }
-        }
-        // Far from the origin, coordinates round more coarsely than a small box's diagonal tells.
-        const double least = (std::max)(std::sqrt(squared_distance(low, high)) * std::ldexp(1, -40), largest * std::ldexp(1, -46));
+        const double least = default_min_edge(dt);
         min_edge_squared_ = o.min_edge > 0 ? o.min_edge * o.min_edge : least * least;
     }
 
