@@ -97,7 +97,8 @@
 
 /**
  * Some tetrahedra are left that exceed the bound: because of small input angles or a boundary that is kept, because mending them needs an edge
- * below the minimum length, or because rounding leaves no place. wsp_report counts them by reason. The mesh is valid.
+ * below the minimum length, or because rounding leaves no place. wsp_report counts them by reason. Or all keep the bound (`bad` is 0), but some are
+ * larger than was asked for and could not be made smaller for such a reason: `too_large` counts them. The mesh is valid.
  */
 #define WSP_UNREFINED 3
 
@@ -256,7 +257,7 @@
 #define WSP_SPARSIFY_QUICK 2
 
 /**
- * More is tried: three to five times the time, for about a tenth fewer Steiner points.
+ * More is tried: three to five times the time, for about an eighth fewer Steiner points.
  */
 #define WSP_SPARSIFY_THOROUGH 3
 
@@ -454,7 +455,7 @@
 #define WSP_ON_NOTHING 0
 
 /**
- * The vertex is an end of a segment, or a corner of a facet.
+ * The vertex is one of the input on the boundary: an end of a segment, a corner of a facet, or a point of the input that lies in one.
  */
 #define WSP_ON_VERTEX 1
 
@@ -999,7 +1000,7 @@ typedef struct wsp_report {
      */
     size_t unrefined_rounding;
     /**
-     * Tetrahedra, bad or not, that are larger than was asked for.
+     * Tetrahedra, bad or not, that are larger than was asked for. With WSP_UNREFINED these may be all that is left, with `bad` 0.
      */
     size_t too_large;
     /**
@@ -1035,7 +1036,9 @@ typedef struct wsp_sizing {
      */
     size_t region_count;
     /**
-     * The largest length at each vertex, by id; between vertices it is interpolated. `vertex_count` of them. May be NULL.
+     * The largest length at each vertex, by id, `vertex_count` of them. May be NULL. Between vertices lengths are interpolated, in the Delaunay
+     * triangulation of the input vertices and of those Steiner points that the list reaches: a call with the same list goes on where
+     * another one ended. Among vertices that ask for nothing a length grows with the distance from its own vertex.
      */
     const double *vertex_max_edge;
     /**
@@ -1260,14 +1263,17 @@ wsp_status wsp_plc_add_facet_hole(struct wsp_plc *plc,
                                   const double p[3]);
 
 /**
- * Takes the volume around `p`, up to the facets that bound it, out of the domain.
+ * Takes the volume around `p`, up to the facets that bound it, out of the domain. Holes come before regions: a region's seed in the same volume
+ * labels nothing. A seed on a facet counts for one side of it only; inside one volume all places are alike.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_BUSY.
  */
-wsp_status wsp_plc_add_hole(struct wsp_plc *plc, const double p[3]);
+wsp_status wsp_plc_add_hole(struct wsp_plc *plc,
+                            const double p[3]);
 
 /**
  * Labels the volume around `p`, up to the facets that bound it, with `attribute`. `max_volume` asks for tetrahedra of
- * at most that volume there; 0 asks for nothing.
+ * at most that volume there; 0 asks for nothing. Of several seeds in one volume the first one counts, and those of holes come before
+ * all. A seed on a facet counts for one side of it only.
  * Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`max_volume` is negative or not
  * finite, `attribute` is NaN), WSP_ERR_BUSY.
  */
@@ -1394,6 +1400,8 @@ wsp_status wsp_triangulation_new(const struct wsp_triangulation_options *options
  * `plc` is copied: it may be changed or freed afterwards. `options` and `control` may be NULL.
  * `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
  * WSP_CANCELLED.
+ *
+ * A complex of points alone, without facets and segments, gets its hull as the domain; its regions and holes are ignored then.
  *
  * The domain is what the facets enclose, less the volumes around the seeds of holes; it need not be convex. It is checked exactly
  * before anything is made of it, as wsp_plc_check does. Where segments or facets meet at less than 60 degrees, tetrahedra
@@ -1733,7 +1741,10 @@ wsp_status wsp_report_init(struct wsp_report *report, size_t size);
  *
  * Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_TIME_LIMIT, WSP_MEMORY_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and
  * usable, and the call may be repeated to go on. A cancellation is answered within some milliseconds; ids of Steiner points may have
- * gaps then, until a later call closes them. `options` and `control` may be NULL. `report` may be NULL; it is
+ * gaps then, until a later call closes them. A call with the same options but for seconds and bytes, no sizes, and nothing changed in
+ * between, tries nothing again that one which was cancelled or whose seconds were over has tried in vain. So calls that are stopped each time come
+ * to the end, too, if each may run until it has done something: it begins with a look at all tetrahedra, and the first report of progress may come
+ * before anything is done. The second comes after that. `options` and `control` may be NULL. `report` may be NULL; it is
  * written for all statuses of 0 and above, and left as it was after an error.
  *
  * After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.

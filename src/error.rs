@@ -131,7 +131,13 @@ impl fmt::Display for Error {
             Error::Occupied { vertex } => write!(f, "vertex {vertex} stands at this place already"),
             Error::NoSuchEdge { edge: [p, q] } => write!(f, "vertices {p} and {q} are not joined by an edge"),
             Error::InvalidOption { name, value, expected } => {
-                write!(f, "option {name} is {value}, expected {expected}")
+                // Very small and very large values would be written with hundreds of zeros.
+                let plain = *value == 0.0 || !value.is_finite() || (1e-4..1e15).contains(&value.abs());
+                if plain {
+                    write!(f, "option {name} is {value}, expected {expected}")
+                } else {
+                    write!(f, "option {name} is {value:e}, expected {expected}")
+                }
             }
             Error::InvalidDomain { element, problem } => write!(f, "{element}: {problem}"),
             Error::Domain { problem } => f.write_str(problem),
@@ -143,3 +149,16 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_far_from_1_are_written_in_short() {
+        let text = |value| Error::InvalidOption { name: "x", value, expected: "more" }.to_string();
+        for (value, written) in [(1e-300, "1e-300"), (-2e200, "-2e200"), (0.5, "0.5"), (0.0, "0"), (f64::NAN, "NaN")] {
+            assert_eq!(text(value), format!("option x is {written}, expected more"));
+        }
+    }
+}

@@ -17,6 +17,7 @@ use crate::triangulation::Defect;
 use crate::{memory, Control, Error, RefineOptions, RefineStatus, Triangulation};
 use outline::Outline;
 pub use outline::{BoundaryView, On};
+use refinement::Unfinished;
 
 /// Recovery may make so many vertices in any case, and so many more for each vertex and element.
 const RECOVERY_ROOM: usize = 100_000;
@@ -37,6 +38,8 @@ pub struct Mesh {
     input_slots: usize,
     /// Ids of Steiner points are missing: a call was cancelled before it could close the gaps.
     has_gaps: bool,
+    /// What a call that was stopped has left to the next one.
+    pub(crate) unfinished: Option<Box<Unfinished>>,
     view: OnceLock<View>,
     outline: OnceLock<Outline>,
 }
@@ -302,12 +305,14 @@ impl Mesh {
 
     /// Drops the arrays of the views, because what they show changes.
     pub(crate) fn forget_view(&mut self) {
+        self.unfinished = None;
         self.view = OnceLock::new();
         self.outline = OnceLock::new();
     }
 
     /// [`forget_view`](Self::forget_view) within a call that can be cancelled.
     fn give_view_back(&mut self, control: &Control) {
+        self.unfinished = None;
         if let Some(view) = self.view.take() {
             control.give_back(view);
         }

@@ -11,7 +11,7 @@ use crate::{Control, Error};
 
 /// The vertex lies on no segment and no facet.
 pub const WSP_ON_NOTHING: u8 = 0;
-/// The vertex is an end of a segment, or a corner of a facet.
+/// The vertex is one of the input on the boundary: an end of a segment, a corner of a facet, or a point of the input that lies in one.
 pub const WSP_ON_VERTEX: u8 = 1;
 /// The vertex lies inside a segment.
 pub const WSP_ON_SEGMENT: u8 = 2;
@@ -116,6 +116,10 @@ unsafe fn show(triangulation: *const wsp_triangulation, view: *mut wsp_boundary_
     // SAFETY: as the caller promises.
     unsafe {
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
+        // Arrays that are there already need no look at the control.
+        if !control.poll() {
+            return Ok(WSP_CANCELLED);
+        }
         let shown = match state.mesh.try_boundary_view(control) {
             Ok(shown) => shown,
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),

@@ -28,7 +28,7 @@ pub const WSP_SPARSIFY_DEFAULT: u32 = 0;
 pub const WSP_SPARSIFY_OFF: u32 = 1;
 /// Steiner points are taken away where that is found out at little cost.
 pub const WSP_SPARSIFY_QUICK: u32 = 2;
-/// More is tried: three to five times the time, for about a tenth fewer Steiner points.
+/// More is tried: three to five times the time, for about an eighth fewer Steiner points.
 pub const WSP_SPARSIFY_THOROUGH: u32 = 3;
 /// Nothing is taken away from what stands; but instead of inserting a sample one of two Steiner points near it is moved where
 /// one place serves both, if that is found at next to no cost; and a point that splits

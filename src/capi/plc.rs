@@ -286,7 +286,8 @@ pub unsafe extern "C" fn wsp_plc_add_facet_hole(plc: *mut wsp_plc, facet: u32, p
     })
 }
 
-/// Takes the volume around `p`, up to the facets that bound it, out of the domain.
+/// Takes the volume around `p`, up to the facets that bound it, out of the domain. Holes come before regions: a region's seed in the same volume
+/// labels nothing. A seed on a facet counts for one side of it only; inside one volume all places are alike.
 /// Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_BUSY.
 /// cbindgen:ptrs-as-arrays=[[p; 3]]
 #[unsafe(no_mangle)]
@@ -300,7 +301,8 @@ pub unsafe extern "C" fn wsp_plc_add_hole(plc: *mut wsp_plc, p: *const f64) -> w
 }
 
 /// Labels the volume around `p`, up to the facets that bound it, with `attribute`. `max_volume` asks for tetrahedra of
-/// at most that volume there; 0 asks for nothing.
+/// at most that volume there; 0 asks for nothing. Of several seeds in one volume the first one counts, and those of holes come before
+/// all. A seed on a facet counts for one side of it only.
 /// Errors: WSP_ERR_NULL, WSP_ERR_NOT_FINITE, WSP_ERR_OUT_OF_RANGE, WSP_ERR_ARGUMENT (`max_volume` is negative or not
 /// finite, `attribute` is NaN), WSP_ERR_BUSY.
 /// cbindgen:ptrs-as-arrays=[[p; 3]]

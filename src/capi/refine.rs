@@ -55,7 +55,7 @@ pub struct wsp_report {
     pub unrefined_limit: usize,
     /// Those for which rounding left no place.
     pub unrefined_rounding: usize,
-    /// Tetrahedra, bad or not, that are larger than was asked for.
+    /// Tetrahedra, bad or not, that are larger than was asked for. With WSP_UNREFINED these may be all that is left, with `bad` 0.
     pub too_large: usize,
     /// Steiner points that lie on segments now: those of the domain's recovery and of earlier calls too.
     pub on_segments: usize,
@@ -159,7 +159,10 @@ pub unsafe extern "C" fn wsp_report_init(report: *mut wsp_report, size: usize) -
 ///
 /// Always ends: after WSP_CANCELLED, WSP_VERTEX_LIMIT, WSP_TIME_LIMIT, WSP_MEMORY_LIMIT and WSP_UNREFINED the mesh is valid, Delaunay and
 /// usable, and the call may be repeated to go on. A cancellation is answered within some milliseconds; ids of Steiner points may have
-/// gaps then, until a later call closes them. `options` and `control` may be NULL. `report` may be NULL; it is
+/// gaps then, until a later call closes them. A call with the same options but for seconds and bytes, no sizes, and nothing changed in
+/// between, tries nothing again that one which was cancelled or whose seconds were over has tried in vain. So calls that are stopped each time come
+/// to the end, too, if each may run until it has done something: it begins with a look at all tetrahedra, and the first report of progress may come
+/// before anything is done. The second comes after that. `options` and `control` may be NULL. `report` may be NULL; it is
 /// written for all statuses of 0 and above, and left as it was after an error.
 ///
 /// After WSP_ERR_TOO_MANY and WSP_ERR_MEMORY it is valid too, with what had been added.
@@ -191,7 +194,9 @@ pub struct wsp_sizing {
     pub region_max_edge: *const f64,
     /// See `region_max_edge`; others ask for nothing.
     pub region_count: usize,
-    /// The largest length at each vertex, by id; between vertices it is interpolated. `vertex_count` of them. May be NULL.
+    /// The largest length at each vertex, by id, `vertex_count` of them. May be NULL. Between vertices lengths are interpolated, in the Delaunay
+    /// triangulation of the input vertices and of those Steiner points that the list reaches: a call with the same list goes on where
+    /// another one ended. Among vertices that ask for nothing a length grows with the distance from its own vertex.
     pub vertex_max_edge: *const f64,
     /// See `vertex_max_edge`; others ask for nothing.
     pub vertex_count: usize,

@@ -15,7 +15,8 @@ pub const WSP_CANCELLED: i32 = 1;
 /// The vertex limit was reached. The mesh is valid, but some tetrahedra may exceed the bound.
 pub const WSP_VERTEX_LIMIT: i32 = 2;
 /// Some tetrahedra are left that exceed the bound: because of small input angles or a boundary that is kept, because mending them needs an edge
-/// below the minimum length, or because rounding leaves no place. wsp_report counts them by reason. The mesh is valid.
+/// below the minimum length, or because rounding leaves no place. wsp_report counts them by reason. Or all keep the bound (`bad` is 0), but some are
+/// larger than was asked for and could not be made smaller for such a reason: `too_large` counts them. The mesh is valid.
 pub const WSP_UNREFINED: i32 = 3;
 /// The list has more elements than the buffer has room for. The buffer is full, the count is that of all.
 pub const WSP_INCOMPLETE: i32 = 4;

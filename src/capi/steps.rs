@@ -75,6 +75,10 @@ unsafe fn bad_short_edges(
         args::list_out(out, capacity, "out", count)?;
         let radius_edge = args::radius_edge(radius_edge)?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
+        // A small mesh is done before the first look at the control.
+        if !control.poll() {
+            return Ok(WSP_CANCELLED);
+        }
         let edges = match state.mesh.bad_short_edges_within(radius_edge, control) {
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),
             other => other?,

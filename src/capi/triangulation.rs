@@ -124,6 +124,8 @@ pub unsafe extern "C" fn wsp_triangulation_new(
 /// `*out` belongs to the caller: free it with wsp_triangulation_free. It is NULL on an error and after
 /// WSP_CANCELLED.
 ///
+/// A complex of points alone, without facets and segments, gets its hull as the domain; its regions and holes are ignored then.
+///
 /// The domain is what the facets enclose, less the volumes around the seeds of holes; it need not be convex. It is checked exactly
 /// before anything is made of it, as wsp_plc_check does. Where segments or facets meet at less than 60 degrees, tetrahedra
 /// between them may be left bad (WSP_UNREFINED).

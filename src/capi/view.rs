@@ -116,6 +116,10 @@ unsafe fn show(triangulation: *const wsp_triangulation, view: *mut wsp_mesh_view
     unsafe {
         sized::check_out(view, "view")?;
         let state = args::reference(triangulation, "triangulation")?.handle.read()?;
+        // A view that is there already needs no look at the control.
+        if !control.poll() {
+            return Ok(WSP_CANCELLED);
+        }
         let mesh = match state.mesh.try_view(control) {
             Ok(mesh) => mesh,
             Err(Error::Cancelled) => return Ok(WSP_CANCELLED),

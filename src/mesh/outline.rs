@@ -15,7 +15,7 @@ pub enum On {
     /// No segment and no facet.
     #[default]
     Nothing = 0,
-    /// It is an end of a segment, or a corner of a facet.
+    /// It is a vertex of the input on the boundary: an end of a segment, a corner of a facet, or a point of the input that lies in one.
     Vertex = 1,
     /// It lies inside a segment.
     Segment = 2,

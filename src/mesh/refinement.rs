@@ -17,8 +17,42 @@ use crate::{Control, Error, LogLevel, RefineOptions, RefineReport, RefineStatus}
 /// Why tetrahedra were left as they are, by their vertices.
 type Reasons = PartedMap<[u32; 4], Unrefined>;
 
+/// What a call was asked for, but for seconds and bytes.
+#[derive(Clone, Debug, PartialEq)]
+struct Task {
+    /// None for a pass of the sparsifier alone.
+    options: Option<RefineOptions>,
+    radius_edge: f64,
+    level: Sparsify,
+}
+
+impl Task {
+    fn refine(options: &RefineOptions, level: Sparsify) -> Task {
+        let unlimited = RefineOptions { max_seconds: 0.0, max_memory: 0, ..options.clone() };
+        Task { options: Some(unlimited), radius_edge: options.radius_edge, level }
+    }
+}
+
+/// A pass of the sparsifier that was stopped: the status of the refinement before it, and the vertices that it has still to try, `None` for all.
+type Pass = (RefineStatus, Option<Vec<u32>>);
+
+/// What a call that was stopped has left to the next one for the same task, with nothing changed between them. Without it each call would try again
+/// what the one before has tried in vain, and, where each is stopped early, none would come to the end.
+#[derive(Clone, Debug)]
+pub(crate) struct Unfinished {
+    task: Task,
+    reasons: Reasons,
+    /// Where only the sparsifier's pass was left.
+    pass: Option<Pass>,
+}
+
 impl Mesh {
     /// Refines until every tetrahedron of the domain keeps the bound, or a limit says stop. Without a domain the hull becomes it.
+    ///
+    /// A call that was cancelled or whose seconds were over can be repeated to go on. With the same options but for seconds and bytes, no sizes, and nothing
+    /// changed between the calls, it tries nothing again that the other one has tried in vain. So calls that are stopped each time come to the end,
+    /// too, if each may run until it has done something: it begins with a look at all tetrahedra, and the first report of progress may come before
+    /// anything is done. The second comes after that.
     ///
     /// Cost: near-linear in the vertices of the result.
     pub fn refine(&mut self, options: &RefineOptions, control: &Control) -> Result<RefineReport, Error> {
@@ -38,33 +72,59 @@ impl Mesh {
             let RefineOptions { radius_edge, rule, .. } = options;
             format!("refine: {} vertices, radius-edge bound {radius_edge}, rule {rule:?}", self.t.vertex_count())
         });
+        let unfinished = self.unfinished.take();
         if !self.begin_changes(control)? {
+            self.unfinished = unfinished;
             return Ok(self.unmeasured(RefineStatus::Cancelled));
         }
+        let (mut task, mut pass) = (None, None);
         let (mut counts, mut taken) = ([0; 3], [0; 2]);
         let mut reasons = Reasons::default();
         let (mut at_vertices, mut volumes) = (None, Vec::new());
         let mut status = RefineStatus::Done;
         if let (3, Some(domain)) = (self.t.dimension(), &mut self.domain) {
-            domain.boundary.kept = options.keep_boundary;
             volumes = domain.regions.iter().map(|region| region.max_volume).collect();
-            let asked = Sizes::new(*sizing, &volumes);
+            let mut asked = Sizes::new(*sizing, &volumes);
+            if let Err(error) = asked.begin(&self.t, self.input_slots, control) {
+                control.give_back(asked.into_vertices(control));
+                self.unfinished = unfinished;
+                return match error {
+                    Error::Cancelled => Ok(self.unmeasured(RefineStatus::Cancelled)),
+                    other => Err(other),
+                };
+            }
+            domain.boundary.kept = options.keep_boundary;
             let mut refiner = Refiner::new(&mut self.t, &mut domain.boundary, options);
             // The sparsifier knows of no sizes: it would take away what they ask for.
             let level = if asked.is_empty() { options.sparsify() } else { Sparsify::Off };
+            task = asked.is_empty().then(|| Task::refine(options, level));
+            let known = unfinished.filter(|unfinished| Some(&unfinished.task) == task.as_ref());
             refiner.sizes = (!asked.is_empty()).then_some(asked);
             if level != Sparsify::Off {
                 let first = self.input_slots as u32;
                 refiner.sparsifier = Some(Sparsifier::new(level, options.radius_edge, refiner.min_edge, first));
             }
             let mut limits = refiner.limits;
-            let result = refiner.refine(control);
+            let mut ended = None;
+            if let Some(known) = known {
+                refiner.goes_on = true;
+                refiner.reasons = known.reasons;
+                if let (Some((status, waiting)), Some(sparsifier)) = (known.pass, &mut refiner.sparsifier) {
+                    sparsifier.waiting = waiting;
+                    ended = Some(status);
+                }
+            }
+            let result = match ended {
+                Some(status) => Ok(status),
+                None => refiner.refine(control),
+            };
             refiner.give_back_to(control);
-            at_vertices = refiner.sizes.take().map(Sizes::into_vertices);
+            at_vertices = refiner.sizes.take().map(|sizes| sizes.into_vertices(control));
             counts = [refiner.samples, refiner.segment_splits, refiner.facet_splits];
             reasons = std::mem::take(&mut refiner.reasons);
             let sparsifier = refiner.sparsifier.take();
-            let thinned = self.thin_out(sparsifier, result, (control, &mut limits), &mut taken, &mut reasons);
+            let thinned =
+                self.thin_out(sparsifier, result, (control, &mut limits), (&mut taken, &mut pass), &mut reasons);
             if let Some(domain) = &mut self.domain {
                 domain.boundary.kept = false;
             }
@@ -89,7 +149,14 @@ impl Mesh {
         }
         [report.samples, report.segment_splits, report.facet_splits] = counts;
         [report.removed, report.replaced] = taken;
+        self.leave(report.status, task, reasons, pass);
         Ok(report)
+    }
+
+    /// Remembers what a call that was stopped has left to do.
+    fn leave(&mut self, status: RefineStatus, task: Option<Task>, reasons: Reasons, pass: Option<Pass>) {
+        let stopped = matches!(status, RefineStatus::Cancelled | RefineStatus::TimeLimit);
+        self.unfinished = task.filter(|_| stopped).map(|task| Box::new(Unfinished { task, reasons, pass }));
     }
 
     /// What follows a refinement that ended like this: the sparsifier's last pass, and the closing of the gaps that it has made among the
@@ -99,13 +166,14 @@ impl Mesh {
         sparsifier: Option<Sparsifier>,
         result: Result<RefineStatus, Error>,
         (control, limits): (&Control, &mut Limits),
-        taken: &mut [usize; 2],
+        (taken, pass): (&mut [usize; 2], &mut Option<Pass>),
         reasons: &mut Reasons,
     ) -> Result<RefineStatus, Error> {
         let (Some(mut sparsifier), Some(domain)) = (sparsifier, &mut self.domain) else { return result };
         let result = match result {
             Ok(status @ (RefineStatus::Done | RefineStatus::Unrefined)) if sparsifier.has_pass() => {
                 let stopped = sparsifier.run(&mut self.t, &mut domain.boundary, control, limits);
+                *pass = Some((status, sparsifier.waiting.take()));
                 stopped.map(|stopped| stopped.unwrap_or(status))
             }
             other => other,
@@ -118,15 +186,15 @@ impl Mesh {
         if !self.has_gaps || matches!(result, Ok(RefineStatus::Cancelled)) || !has_pass && self.fill_gaps(reasons) {
             return result;
         }
-        match self.close_gaps(reasons, control) {
+        match self.close_gaps(reasons, pass, control) {
             Ok(()) => result,
             Err(Error::Cancelled) => Ok(RefineStatus::Cancelled),
             Err(error) => Err(error),
         }
     }
 
-    /// Puts the last Steiner points into the gaps among the others' ids. Returns whether none is left: it is for a few gaps, and does nothing with what is on the boundary,
-    /// which knows its vertices by id. Where points only move, at most one or two gaps are ever left, and all else is in order.
+    /// Puts the last Steiner points into the gaps among the others' ids. Returns whether none is left: it is for a few gaps, and does nothing with what is
+    /// on the boundary, which knows its vertices by id. Where points only move, at most one or two gaps are ever left, and all else is in order.
     fn fill_gaps(&mut self, reasons: &mut Reasons) -> bool {
         let (first, Some(domain)) = (self.input_slots as u32, &self.domain) else { return false };
         let is_free = |v: u32| domain.boundary.kind(v) == 0;
@@ -142,7 +210,7 @@ impl Mesh {
     }
 
     /// Gives Steiner points ids without gaps. Nothing has changed after an error.
-    fn close_gaps(&mut self, reasons: &mut Reasons, control: &Control) -> Result<(), Error> {
+    fn close_gaps(&mut self, reasons: &mut Reasons, pass: &mut Option<Pass>, control: &Control) -> Result<(), Error> {
         let Some(domain) = &mut self.domain else { return Ok(()) };
         let mut boundary = InPieces::new(domain.boundary.try_clone(control)?, control);
         let (t, new_id) = self.t.compacted(self.input_slots as u32, control)?;
@@ -154,6 +222,9 @@ impl Mesh {
         for (v, &reason) in reasons.iter() {
             turns.check()?;
             names.insert(v.map(renamed), reason);
+        }
+        if let Some((_, Some(waiting))) = pass {
+            waiting.iter_mut().for_each(|v| *v = renamed(*v));
         }
         // What was there before is given back as these go.
         std::mem::swap(&mut *t, &mut self.t);
@@ -202,22 +273,30 @@ impl Mesh {
     /// Cost: some tens of microseconds a Steiner point.
     pub fn sparsify(&mut self, radius_edge: f64, level: Sparsify, control: &Control) -> Result<RefineReport, Error> {
         crate::refine::check_radius_edge(radius_edge)?;
+        let unfinished = self.unfinished.take();
         if !self.begin_changes(control)? {
+            self.unfinished = unfinished;
             return Ok(self.unmeasured(RefineStatus::Cancelled));
         }
+        let task = Task { options: None, radius_edge, level };
+        let known = unfinished.filter(|unfinished| unfinished.task == task).and_then(|unfinished| unfinished.pass);
+        let mut pass = None;
         let (mut taken, mut status) = ([0; 2], RefineStatus::Done);
         if self.t.dimension() == 3 && level.has_pass() {
             let mut sparsifier = Sparsifier::new(level, radius_edge, 0.0, self.input_slots as u32);
             sparsifier.begin_with_all();
+            sparsifier.waiting = known.and_then(|(_, waiting)| waiting);
             let limits = &mut Limits::default();
             let result = Ok(RefineStatus::Done);
-            status = self.thin_out(Some(sparsifier), result, (control, limits), &mut taken, &mut Reasons::default())?;
+            let left = (&mut taken, &mut pass);
+            status = self.thin_out(Some(sparsifier), result, (control, limits), left, &mut Reasons::default())?;
         }
         let mut report = self.report_unless_cancelled(radius_edge, status, &Reasons::default(), control);
         if report.bad > 0 && status == RefineStatus::Done {
             report.status = RefineStatus::Unrefined;
         }
         [report.removed, report.replaced] = taken;
+        self.leave(report.status, Some(task), Reasons::default(), pass);
         Ok(report)
     }
 

@@ -118,7 +118,8 @@ pub enum RefineStatus {
     Cancelled,
     /// The vertex limit was reached. The mesh is valid.
     VertexLimit,
-    /// Some tetrahedra are left bad, for the reasons that the report counts.
+    /// Some tetrahedra are left bad, for the reasons that the report counts; or none is, but some are [larger](RefineReport::too_large) than was asked
+    /// for and could not be made smaller for such a reason.
     Unrefined,
     /// The seconds were over. The mesh is valid, and refining it again goes on from here.
     TimeLimit,
@@ -197,8 +198,8 @@ pub struct RefineReport {
     pub worst_radius_edge: f64,
     /// The smallest dihedral angle in the domain in degrees, 180 without tetrahedra.
     pub min_dihedral_degrees: f64,
-    /// Whether the domain's tetrahedra have been looked at. After a cancellation they are not, for that takes a while: the numbers of tetrahedra and of points on segments and facets
-    /// are 0 then, and the ratios NaN. [`Mesh::report`](crate::Mesh::report) makes up for it.
+    /// Whether the domain's tetrahedra have been looked at. After a cancellation they are not, for that takes a while: the numbers of tetrahedra and of
+    /// points on segments and facets are 0 then, and the ratios NaN. [`Mesh::report`](crate::Mesh::report) makes up for it.
     pub measured: bool,
 }
 

@@ -82,6 +82,8 @@ pub struct Refiner<'a> {
     pub(super) is_cut_short: bool,
     /// Why tetrahedra were left as they are; some of them may have gone since.
     pub reasons: PartedMap<[u32; 4], Unrefined>,
+    /// These are left from the beginning, because a call that was stopped has tried them.
+    pub goes_on: bool,
     /// What is demanded of the splits that the tetrahedron in hand asks for.
     pub demand: Demand,
     /// As reported last: what is left to do may grow, but progress never falls.
@@ -144,6 +146,7 @@ impl<'a> Refiner<'a> {
             watching: false,
             is_cut_short: false,
             reasons: PartedMap::default(),
+            goes_on: false,
             demand: Demand::NONE,
             progress: 0.0,
             records: Vec::new(),
@@ -197,9 +200,13 @@ impl<'a> Refiner<'a> {
         if self.boundary_step(control)? {
             return Ok(true);
         }
-        let Some(t) = self.next_bad(control)? else { return Ok(false) };
-        self.mend(t)?;
-        Ok(true)
+        while let Some(t) = self.next_bad(control)? {
+            if !self.goes_on || !self.reasons.contains_key(&self.t.topology.tet(t).v) {
+                self.mend(t)?;
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Whether something stops the loop before its next turn. Makes room for that turn.
@@ -230,8 +237,9 @@ impl<'a> Refiner<'a> {
         if vertices >= self.max_vertices {
             return Ok(Some(RefineStatus::VertexLimit));
         }
-        let Refiner { limits, t, boundary, queue, cavity, .. } = self;
-        let reached = limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes());
+        let Refiner { limits, t, boundary, queue, cavity, sizes, .. } = self;
+        let of_sizes = || sizes.as_ref().map_or(0, Sizes::bytes);
+        let reached = limits.reached(|| t.bytes() + queue.bytes() + boundary.bytes() + cavity.bytes() + of_sizes());
         if reached.is_none() && self.t.lacks_room_ahead() {
             match self.make_room_ahead(control) {
                 Err(Error::Cancelled) => return Ok(Some(RefineStatus::Cancelled)),

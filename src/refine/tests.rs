@@ -1,5 +1,7 @@
+mod again;
 mod crowded;
 mod lazy;
+mod sizes;
 
 use super::*;
 use crate::samples::{numbers, on_a_sphere};

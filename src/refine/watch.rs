@@ -23,11 +23,8 @@ impl Refiner<'_> {
     /// Looks at the tetrahedra that the last insertion created, that of the vertex `new`.
     pub(super) fn finish(&mut self, new: u32) -> Result<(), Error> {
         if let Some(sizes) = &mut self.sizes {
-            let turns = self.control.turns();
-            let created = self.cavity.created.iter().take_while(|_| turns.go_on());
-            let around = created.flat_map(|&tet| self.t.topology.tet(tet).v).filter(|&v| v != new && v != GHOST);
-            sizes.add_vertex(self.t, new, around);
-            self.is_cut_short |= turns.end().is_err();
+            let mut around = self.cavity.created.iter().flat_map(|&tet| self.t.topology.tet(tet).v);
+            sizes.add_vertex(self.t, new, around.find(|&v| v != new && v != GHOST));
         }
         if !self.watching {
             return Ok(());

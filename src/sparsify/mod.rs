@@ -213,6 +213,8 @@ pub(crate) struct Sparsifier {
     newest: u32,
     /// How merges after samples, and after splits, have come out.
     odds: [Odds; 2],
+    /// What the last pass begins with, if one has been stopped, and what it has left when it is stopped again. Without it, it begins anew.
+    pub waiting: Option<Vec<u32>>,
     /// Vertices taken away and not replaced.
     pub removed: usize,
     /// Vertices that came in the place of two.

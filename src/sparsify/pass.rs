@@ -11,7 +11,7 @@
 use rustc_hash::FxHashSet;
 
 use super::search::{Found, Partners, Searcher};
-use super::{Odds, Sparsifier};
+use super::{Odds, Scope, Sparsifier};
 use crate::domain::Boundary;
 use crate::refine::limits::Limits;
 use crate::sorting::sort_by;
@@ -49,7 +49,8 @@ impl Worker {
 }
 
 impl Sparsifier {
-    /// The pass over all Steiner points. Says what stopped it, if it could not finish; the mesh is valid then too.
+    /// The pass over all Steiner points, or over those [left](Self::waiting) by one that was stopped. Says what stopped it, if it could not finish; the
+    /// mesh is valid then too.
     pub fn run(
         &mut self,
         t: &mut Triangulation,
@@ -61,7 +62,15 @@ impl Sparsifier {
         let mut workers = vec![Worker::of(std::mem::replace(&mut self.searcher, Searcher::new(scope)))];
         let threads = t.threads().min(BLOCK[1] / SHARE);
         workers.extend((1..threads).map(|_| Worker::of(Searcher::new(scope))));
-        let stopped = self.work_off(&mut workers, t, boundary, control, limits);
+        let mut work = Work::default();
+        let stopped = match self.begin(&scope, &mut work.queue, (t, boundary), control) {
+            Ok(()) => {
+                let stopped = self.work_off(&mut workers, &mut work, (t, boundary), control, limits);
+                self.waiting = Some(work.left());
+                stopped
+            }
+            Err(error) => Err(error),
+        };
         self.searcher = workers.swap_remove(0).searcher;
         match stopped {
             Err(Error::Cancelled) => Ok(Some(RefineStatus::Cancelled)),
@@ -69,26 +78,46 @@ impl Sparsifier {
         }
     }
 
-    fn work_off(
-        &mut self,
-        workers: &mut [Worker],
-        t: &mut Triangulation,
-        boundary: &mut Boundary,
+    /// Queues what the pass begins with.
+    fn begin(
+        &self,
+        scope: &Scope,
+        queue: &mut Queue,
+        (t, boundary): (&Triangulation, &Boundary),
         control: &Control,
-        limits: &mut Limits,
-    ) -> Result<Option<RefineStatus>, Error> {
-        let scope = workers[0].searcher.scope;
-        let mut queue = Queue::default();
+    ) -> Result<(), Error> {
         let turns = control.turns();
+        if let Some(left) = &self.waiting {
+            for &v in left {
+                turns.check()?;
+                // Some may have gone since they were queued.
+                if scope.may_go(t, boundary, v) {
+                    queue.push(v);
+                }
+            }
+            return Ok(());
+        }
         for v in scope.first..t.vertex_slots() as u32 {
             turns.check()?;
             if scope.may_go(t, boundary, v) && (scope.effort.all || boundary.kind(v) != 0) {
                 queue.push(v);
             }
         }
+        Ok(())
+    }
+
+    fn work_off(
+        &mut self,
+        workers: &mut [Worker],
+        Work { queue, block }: &mut Work,
+        (t, boundary): (&mut Triangulation, &mut Boundary),
+        control: &Control,
+        limits: &mut Limits,
+    ) -> Result<Option<RefineStatus>, Error> {
+        let scope = workers[0].searcher.scope;
         boundary.relaxed = true;
         let all = queue.len().max(1);
-        let (mut block, mut fraction) = (Vec::new(), 0.0f64);
+        let mut fraction = 0.0f64;
         let mut touched = FxHashSet::default();
         loop {
             let size = (queue.len() / PART).clamp(BLOCK[0], BLOCK[1]);
@@ -102,15 +131,11 @@ impl Sparsifier {
             if block.is_empty() {
                 return Ok(None);
             }
-            fraction = fraction.max(1.0 - queue.len() as f64 / all as f64);
-            if !control.report("sparsify", fraction, t.vertex_count()) {
-                return Err(Error::Cancelled);
-            }
             if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
                 return Ok(Some(status));
             }
             touched.clear();
-            for Look { position, found, .. } in look_at(&block, workers, (t, boundary), control)? {
+            for Look { position, found, .. } in look_at(block, workers, (t, boundary), control)? {
                 let Some(found) = found else { continue };
                 control.check()?;
                 if let Some(status) = limits.reached(|| t.bytes() + boundary.bytes()) {
@@ -136,6 +161,12 @@ impl Sparsifier {
                         }
                     }
                 }
+            }
+            block.clear();
+            // After the block, so that a call that is cancelled here has done something.
+            fraction = fraction.max(1.0 - queue.len() as f64 / all as f64);
+            if !control.report("sparsify", fraction, t.vertex_count()) {
+                return Err(Error::Cancelled);
             }
         }
     }
@@ -173,6 +204,24 @@ fn look_at(
         Ok(looks)
     } else {
         Err(Error::Cancelled)
+    }
+}
+
+/// What a pass has still to do.
+#[derive(Debug, Default)]
+struct Work {
+    queue: Queue,
+    /// Those that are being looked at.
+    block: Vec<u32>,
+}
+
+impl Work {
+    /// All that waits.
+    fn left(self) -> Vec<u32> {
+        let mut left = self.queue.next;
+        left.extend(self.queue.round);
+        left.extend(self.block);
+        left
     }
 }
 

@@ -248,7 +248,7 @@ impl Triangulation {
     }
 
     /// A tetrahedron to start a walk from, near `hint` if that is a vertex.
-    fn start(&self, hint: Option<u32>) -> u32 {
+    pub(crate) fn start(&self, hint: Option<u32>) -> u32 {
         match hint.and_then(|v| self.topology.vertex_tet.get(v as usize)) {
             Some(&t) if t != NONE => t,
             _ => self.last,

@@ -274,6 +274,35 @@ fn what_takes_long_can_be_cancelled_and_changes_nothing_then() {
 }
 
 #[test]
+fn a_cancelled_control_stops_what_would_be_done_at_once() {
+    let t = Owned::of(&scattered(20, 5));
+    let mut control = null_mut();
+    // SAFETY: live handles, structs of numbers and pointers, a list of no room.
+    unsafe {
+        let (mut view, mut boundary): (wsp_mesh_view, wsp_boundary_view) = (std::mem::zeroed(), std::mem::zeroed());
+        done(wsp_mesh_view_init(&mut view, size_of::<wsp_mesh_view>()));
+        done(wsp_boundary_view_init(&mut boundary, size_of::<wsp_boundary_view>()));
+        done(wsp_triangulation_use_hull_as_domain(t.0));
+        done(wsp_control_new(None, null_mut(), &mut control));
+        // The arrays are there already at the second call.
+        done(wsp_triangulation_view_within(t.0, &mut view, control));
+        done(wsp_triangulation_boundary(t.0, control, &mut boundary));
+        let (tetrahedra, faces, mut count) = (view.tetrahedra_count, boundary.faces_count, 7);
+        (view.tetrahedra_count, boundary.faces_count) = (7777, 7777);
+        done(wsp_control_cancel(control));
+        expect(WSP_CANCELLED, wsp_bad_short_edges_within(t.0, 2.0, control, null_mut(), 0, &mut count));
+        expect(WSP_CANCELLED, wsp_triangulation_view_within(t.0, &mut view, control));
+        expect(WSP_CANCELLED, wsp_triangulation_boundary(t.0, control, &mut boundary));
+        assert_eq!((count, view.tetrahedra_count, boundary.faces_count), (7, 7777, 7777));
+        done(wsp_control_reset(control));
+        done(wsp_triangulation_view_within(t.0, &mut view, control));
+        done(wsp_triangulation_boundary(t.0, control, &mut boundary));
+        assert_eq!((view.tetrahedra_count, boundary.faces_count), (tetrahedra, faces));
+        wsp_control_free(control);
+    }
+}
+
+#[test]
 fn joining_facets_can_be_cancelled_and_changes_nothing_then() {
     use crate::capi::check::wsp_plc_join_coplanar_within;
     let mut plc = null_mut();
