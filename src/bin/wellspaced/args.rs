@@ -24,8 +24,8 @@ pub enum Command {
     Refine(Refine),
     /// Make the Delaunay triangulation of a file's points
     Delaunay(Delaunay),
-    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed. Polygons of surfaces that are
-    /// not planar are warnings: they are cut into triangles
+    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed, which is tried when there is no
+    /// other error. Polygons of surfaces that are not planar are warnings: they are cut into triangles
     Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
