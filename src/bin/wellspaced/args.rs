@@ -85,7 +85,7 @@ pub struct Refine {
     /// No pass afterwards: with --rule sparse the same as --sparsify=moves, with the others as --sparsify=off
     #[arg(long, conflicts_with = "sparsify")]
     pub no_sparsify: bool,
-    /// The largest length of a tetrahedron's edge; regions of a .poly file have their largest volumes besides
+    /// The largest length of a tetrahedron's edge, 0 for any; regions of a .poly file have their largest volumes besides
     #[arg(long, value_name = "LENGTH")]
     pub max_edge: Option<f64>,
     /// Put no more Steiner points on segments and facets than it takes to have these in the mesh at all (`on_segments` and `on_facets` count them); what
@@ -95,10 +95,10 @@ pub struct Refine {
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
-    /// Stop refining after this many seconds
+    /// Stop refining after this many seconds; 0 stops at once
     #[arg(long, value_name = "S")]
     pub max_seconds: Option<f64>,
-    /// Stop refining before the mesh takes more memory than this many MiB
+    /// Stop refining before the mesh takes more memory than this many MiB; 0 stops at once
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<usize>,
 }

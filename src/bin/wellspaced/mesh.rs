@@ -34,6 +34,11 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
         options.max_memory = limit.saturating_mul(1 << 20).max(1);
     }
     options.check().map_err(Failure::usage)?;
+    let max_edge = arguments.max_edge.unwrap_or(0.0);
+    if !(max_edge >= 0.0 && max_edge.is_finite()) {
+        let expected = "a length, or 0 for any";
+        return Err(Failure::usage(Error::InvalidOption { name: "max_edge", value: max_edge, expected }));
+    }
     let files = &arguments.files;
     let mut seconds = Seconds::default();
     let mut input = open(files, &mut seconds)?;
@@ -42,7 +47,7 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
         join(degrees, plc, &mut input.source);
     }
     let bar = Bar::new("refine");
-    let sizing = Sizing { uniform: arguments.max_edge.unwrap_or(0.0), ..Sizing::default() };
+    let sizing = Sizing { uniform: max_edge, ..Sizing::default() };
     let threads = files.threads as usize;
     let refined = refined(&input.content, threads, &options, &sizing, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| match &input.content {
