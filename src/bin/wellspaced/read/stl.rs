@@ -40,13 +40,27 @@ fn is_text(content: &[u8]) -> bool {
     keyword.eq_ignore_ascii_case(b"solid") && rest.first().is_none_or(u8::is_ascii_whitespace)
 }
 
-/// Text as the crate wants it: small letters, UTF-8 and a blank behind the first word. The solid's name, which is lost, may be in any encoding.
+/// Text as the crate wants it: small letters, UTF-8, a blank behind the first word, and one solid, for it stops behind the first. The names, which
+/// are lost, may be in any encoding. Lines stay where they are.
 fn plain_text(content: &[u8]) -> Vec<u8> {
     let mut text = String::from_utf8_lossy(content).into_owned();
     text.make_ascii_lowercase();
-    let end = text.find('\n').unwrap_or(text.len());
-    text.replace_range(..end, "solid ");
-    text.into_bytes()
+    let mut plain = String::with_capacity(text.len() + 16);
+    plain.push_str("solid \n");
+    let mut ended = false;
+    for line in text.lines().skip(1) {
+        match line.split_whitespace().next() {
+            Some("endsolid") => ended = true,
+            Some("solid") if ended => ended = false,
+            Some(_) if !ended => plain.push_str(line),
+            _ => {}
+        }
+        plain.push('\n');
+    }
+    if ended {
+        plain.push_str("endsolid\n");
+    }
+    plain.into_bytes()
 }
 
 /// A binary file of the right length or more, with a header that is not taken for text.
@@ -130,6 +144,16 @@ mod tests {
         for content in [capitals.into_bytes(), mixed.into_bytes(), latin] {
             assert_eq!(parse_stl(Path::new("in.stl"), &content).unwrap(), expected);
         }
+    }
+
+    #[test]
+    fn all_solids_of_text_are_read() {
+        let two = format!("solid a\n{FACET}endsolid a\n\nsolid b\n{}endsolid b\n", FACET.replace("0 0 0", "0 0 9"));
+        let surface = parse_stl(Path::new("in.stl"), two.as_bytes()).unwrap();
+        assert_eq!(surface.polygons, [[0, 1, 2], [3, 1, 2]]);
+        let failure = parse_stl(Path::new("in.stl"), two.replace("0 0 9", "0 0").as_bytes()).unwrap_err();
+        assert!(failure.message().starts_with("in.stl:14: facet 1: \"vertex 0 0\""), "{failure:?}");
+        assert!(parse_stl(Path::new("in.stl"), two.replace("endsolid b\n", "").as_bytes()).is_err());
     }
 
     #[test]
