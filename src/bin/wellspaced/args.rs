@@ -88,8 +88,8 @@ pub struct Refine {
     /// The largest length of a tetrahedron's edge, 0 for any; regions of a .poly file have their largest volumes besides
     #[arg(long, value_name = "LENGTH")]
     pub max_edge: Option<f64>,
-    /// Put no more Steiner points on segments and facets than it takes to have these in the mesh at all (`on_segments` and `on_facets` count them); what
-    /// can't be mended so is counted
+    /// Put no more Steiner points on segments and facets than it takes to have these in the mesh at all (`on_segments` and `on_facets` count
+    /// them); what can't be mended so is counted
     #[arg(long)]
     pub keep_boundary: bool,
     /// Stop at this many vertices, input included
