@@ -24,8 +24,8 @@ pub enum Command {
     Refine(Refine),
     /// Make the Delaunay triangulation of a file's points
     Delaunay(Delaunay),
-    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed. Polygons of surfaces that are
-    /// not planar are warnings: they are cut into triangles
+    /// List every defect of a domain, and its smallest angles; the exit status is 1 if it can't be meshed, which is tried when there is no
+    /// other error. Polygons of surfaces that are not planar are warnings: they are cut into triangles
     Check(Check),
     /// Refine every data set of the paper and print the paper's table beside ours
     Table1(Table1),
@@ -85,20 +85,20 @@ pub struct Refine {
     /// No pass afterwards: with --rule sparse the same as --sparsify=moves, with the others as --sparsify=off
     #[arg(long, conflicts_with = "sparsify")]
     pub no_sparsify: bool,
-    /// The largest length of a tetrahedron's edge; regions of a .poly file have their largest volumes besides
+    /// The largest length of a tetrahedron's edge, 0 for any; regions of a .poly file have their largest volumes besides
     #[arg(long, value_name = "LENGTH")]
     pub max_edge: Option<f64>,
-    /// Put no more Steiner points on segments and facets than it takes to have these in the mesh at all (`on_segments` and `on_facets` count them); what
-    /// can't be mended so is counted
+    /// Put no more Steiner points on segments and facets than it takes to have these in the mesh at all (`on_segments` and `on_facets` count
+    /// them); what can't be mended so is counted
     #[arg(long)]
     pub keep_boundary: bool,
     /// Stop at this many vertices, input included
     #[arg(long, value_name = "N")]
     pub max_vertices: Option<usize>,
-    /// Stop refining after this many seconds
+    /// Stop refining after this many seconds; 0 stops at once
     #[arg(long, value_name = "S")]
     pub max_seconds: Option<f64>,
-    /// Stop refining before the mesh takes more memory than this many MiB
+    /// Stop refining before the mesh takes more memory than this many MiB; 0 stops at once
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<usize>,
 }

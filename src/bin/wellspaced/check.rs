@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use glam::DVec3;
 use serde::Serialize;
-use wellspaced::{DomainElement, Plc, PlcCheck, PlcDefect, Severity, SmallAngle};
+use wellspaced::{DomainElement, Error, Plc, PlcCheck, PlcDefect, Severity, SmallAngle};
 
 use crate::args::Check;
 use crate::failure::Failure;
-use crate::read::{read, Content, Source};
+use crate::mesh::{domain_mesh, join, join_degrees};
+use crate::progress::Bar;
+use crate::read::{read, Content, Format, Source};
 
 /// `wellspaced check`. Fails, with nothing but the exit status to say so, when the domain can't be meshed.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
@@ -19,11 +20,44 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
         Content::Points(points) => Plc { points, ..Plc::default() },
     };
     let found = plc.check();
-    let listed = listed(&found, &input.cut, &input.source);
-    let text = if arguments.json { json(&found, &listed, &input.source) } else { text(&found, &listed, &input.source) };
-    std::io::stdout().write_all(text.as_bytes()).map_err(Failure::stdout)?;
-    let usable = found.errors().next().is_none();
-    usable.then_some(()).ok_or_else(|| Failure::new(""))
+    let mut defects = defects(&found, &input.cut, &input.source);
+    let mut errors = found.errors().count();
+    // Whether the facets enclose something shows in a mesh only. Points alone need not.
+    if errors == 0 && !(plc.facets.is_empty() && plc.segments.is_empty()) {
+        if let Some(defect) = not_meshable(plc, arguments.input.format, &input.source)? {
+            defects.insert(0, defect);
+            errors = 1;
+        }
+    }
+    let told = if arguments.json {
+        json(&found, errors, defects, &input.source)
+    } else {
+        text(&found, errors, &defects, &input.source)
+    };
+    std::io::stdout().write_all(told.as_bytes()).map_err(Failure::stdout)?;
+    (errors == 0).then_some(()).ok_or_else(|| Failure::new(""))
+}
+
+/// Why `refine` would find no mesh of a domain that has no defect by itself.
+fn not_meshable(mut plc: Plc, format: Format, source: &Source) -> Result<Option<Defect>, Failure> {
+    let mut source = source.clone();
+    join(join_degrees(format), &mut plc, &mut source);
+    let bar = Bar::new("check");
+    match domain_mesh(0, &plc, &bar.control()) {
+        Ok(_) => Ok(None),
+        Err(error) => {
+            let failure = source.explain_domain(&error, &plc);
+            let Error::InvalidDomain { element: of, .. } = error else { return Err(failure) };
+            Ok(Some(Defect {
+                kind: "not_meshable",
+                severity: "error",
+                elements: vec![element(of, &source)],
+                place: None,
+                measure: 0.0,
+                text: failure.message().to_owned(),
+            }))
+        }
+    }
 }
 
 /// An element as the file has it.
@@ -67,61 +101,51 @@ fn element(element: DomainElement, source: &Source) -> Element {
     Element { kind, number, line }
 }
 
-/// A defect as it is told.
-struct Listed<'a> {
-    defect: &'a PlcDefect,
-    severity: &'static str,
-    text: String,
+fn elements(list: &[DomainElement], source: &Source) -> Vec<Element> {
+    list.iter().map(|&e| element(e, source)).collect()
 }
 
 /// All defects, errors first: those of the domain, and the polygons that were `cut` to make it one.
-fn listed<'a>(found: &'a PlcCheck, cut: &'a [PlcDefect], source: &Source) -> Vec<Listed<'a>> {
-    let told = |severity, defect| Listed { defect, severity, text: source.describe(defect) };
+fn defects(found: &PlcCheck, cut: &[PlcDefect], source: &Source) -> Vec<Defect> {
+    let told = |severity, defect: &PlcDefect| Defect {
+        kind: defect.kind.name(),
+        severity,
+        elements: elements(&defect.elements, source),
+        place: defect.place.is_finite().then(|| defect.place.to_array()),
+        measure: defect.measure,
+        text: source.describe(defect),
+    };
     let cut = cut.iter().map(|defect| {
         let told = told("warning", defect);
-        Listed { text: told.text + "; it is cut into triangles", ..told }
+        Defect { text: told.text + "; it is cut into triangles", ..told }
     });
     let warnings = found.defects.iter().filter(|defect| defect.kind.severity() == Severity::Warning);
     let errors = found.errors().map(|defect| told("error", defect));
     errors.chain(cut).chain(warnings.map(|defect| told("warning", defect))).collect()
 }
 
-fn json(found: &PlcCheck, listed: &[Listed], source: &Source) -> String {
-    let elements = |list: &[DomainElement]| list.iter().map(|&e| element(e, source)).collect();
-    let finite = |p: DVec3| p.is_finite().then(|| p.to_array());
+fn json(found: &PlcCheck, errors: usize, defects: Vec<Defect>, source: &Source) -> String {
     let angle = |angle: &SmallAngle| Angle {
         degrees: angle.degrees,
-        elements: elements(&angle.elements),
+        elements: elements(&angle.elements, source),
         place: angle.place.to_array(),
     };
-    let errors = found.errors().count();
     let report = Found {
         errors,
-        warnings: listed.len() - errors,
-        defects: listed
-            .iter()
-            .map(|Listed { defect, severity, text }| Defect {
-                kind: defect.kind.name(),
-                severity,
-                elements: elements(&defect.elements),
-                place: finite(defect.place),
-                measure: defect.measure,
-                text: text.clone(),
-            })
-            .collect(),
+        warnings: defects.len() - errors,
+        defects,
         segment_angle: found.segment_angle.as_ref().map(angle),
         facet_angle: found.facet_angle.as_ref().map(angle),
     };
     serde_json::to_string(&report).unwrap_or_default() + "\n"
 }
 
-fn text(found: &PlcCheck, listed: &[Listed], source: &Source) -> String {
+fn text(found: &PlcCheck, errors: usize, defects: &[Defect], source: &Source) -> String {
     let mut text = String::new();
-    for Listed { severity, text: told, .. } in listed {
+    for Defect { severity, text: told, .. } in defects {
         let _ = writeln!(text, "{severity}: {told}");
     }
-    let errors = found.errors().count();
-    let _ = writeln!(text, "{errors} errors, {} warnings", listed.len() - errors);
+    let _ = writeln!(text, "{errors} errors, {} warnings", defects.len() - errors);
     let angles = [("segments", &found.segment_angle), ("facets", &found.facet_angle)];
     for (name, angle) in angles {
         let Some(SmallAngle { degrees, elements: [a, b], place }) = angle else { continue };

@@ -49,7 +49,6 @@ impl Failure {
     }
 
     /// The line for standard error.
-    #[allow(dead_code, reason = "tests and fuzz targets look at it, the command does not")]
     pub fn message(&self) -> &str {
         &self.message
     }

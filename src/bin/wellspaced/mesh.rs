@@ -5,12 +5,12 @@ use std::io::Write;
 
 use glam::DVec3;
 use wellspaced::geometry::quality::{min_dihedral_degrees, radius_edge};
-use wellspaced::{Control, Error, Mesh, RefineOptions, RefineReport, Sizing, Unrefined};
+use wellspaced::{Control, DomainElement, Error, Mesh, Plc, RefineOptions, RefineReport, Sizing, Unrefined};
 
 use crate::args::{Delaunay, Files, Refine};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::read::{read, Content, Input};
+use crate::read::{read, Content, Format, Input, Source};
 use crate::report::{status_name, timed, Report, Seconds};
 use crate::write::{write, OutputMesh};
 
@@ -34,12 +34,20 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
         options.max_memory = limit.saturating_mul(1 << 20).max(1);
     }
     options.check().map_err(Failure::usage)?;
+    let max_edge = arguments.max_edge.unwrap_or(0.0);
+    if !(max_edge >= 0.0 && max_edge.is_finite()) {
+        let expected = "a length, or 0 for any";
+        return Err(Failure::usage(Error::InvalidOption { name: "max_edge", value: max_edge, expected }));
+    }
     let files = &arguments.files;
     let mut seconds = Seconds::default();
     let mut input = open(files, &mut seconds)?;
-    join(files, &mut input);
+    let degrees = files.join_coplanar.unwrap_or_else(|| join_degrees(files.input.format));
+    if let Content::Domain(plc) = &mut input.content {
+        join(degrees, plc, &mut input.source);
+    }
     let bar = Bar::new("refine");
-    let sizing = Sizing { uniform: arguments.max_edge.unwrap_or(0.0), ..Sizing::default() };
+    let sizing = Sizing { uniform: max_edge, ..Sizing::default() };
     let threads = files.threads as usize;
     let refined = refined(&input.content, threads, &options, &sizing, &bar.control(), &mut seconds);
     let (mesh, report) = refined.map_err(|error| match &input.content {
@@ -70,17 +78,35 @@ pub fn refine(arguments: &Refine) -> Result<(), Failure> {
     )
 }
 
-/// The angle up to which a surface's coplanar polygons are joined by default.
-const JOIN_DEGREES: f64 = 0.01;
-
-/// Joins coplanar facets, if that is asked for or the kind of file suggests it.
-fn join(files: &Files, input: &mut Input) {
-    let default = if files.input.format.is_surface() { JOIN_DEGREES } else { -1.0 };
-    let degrees = files.join_coplanar.unwrap_or(default);
-    if let (Content::Domain(plc), true) = (&mut input.content, degrees >= 0.0) {
-        let group = plc.join_coplanar(degrees);
-        input.source.join(&group, plc.facets.len());
+/// The angle in degrees up to which coplanar facets of such a file are joined by default; below 0 for none.
+pub fn join_degrees(format: Format) -> f64 {
+    if format.is_surface() {
+        0.01
+    } else {
+        -1.0
     }
+}
+
+/// Joins coplanar facets, unless the angle is below 0.
+pub fn join(degrees: f64, plc: &mut Plc, source: &mut Source) {
+    if degrees >= 0.0 {
+        let group = plc.join_coplanar(degrees);
+        source.join(&group, plc.facets.len());
+    }
+}
+
+/// The mesh of a domain. When there is none because of its holes, the error says so: that the facets enclose nothing would send a reader to them.
+pub fn domain_mesh(threads: usize, plc: &Plc, control: &Control) -> Result<Mesh, Error> {
+    Mesh::from_plc_on(threads, plc, control).map_err(|error| match error {
+        Error::InvalidDomain { element: element @ DomainElement::Whole, .. } if !plc.holes.is_empty() => {
+            let whole = Plc { holes: Vec::new(), ..plc.clone() };
+            match Mesh::from_plc_on(threads, &whole, control) {
+                Ok(_) => Error::InvalidDomain { element, problem: "its holes take all of it".to_owned() },
+                Err(_) => error,
+            }
+        }
+        error => error,
+    })
 }
 
 /// How many tetrahedra were left for each reason, if any were.
@@ -99,7 +125,7 @@ pub fn refined(
     seconds: &mut Seconds,
 ) -> Result<(Mesh, RefineReport), Error> {
     let mut mesh = timed(&mut seconds.delaunay, || match content {
-        Content::Domain(plc) => Mesh::from_plc_on(threads, plc, control),
+        Content::Domain(plc) => domain_mesh(threads, plc, control),
         Content::Points(points) => {
             let mut mesh = triangulated(points, threads, control)?;
             mesh.use_hull_as_domain()?;

@@ -115,6 +115,9 @@ pub fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Input, Failure
         Format::Node => Content::Points(node::parse_node(path, bytes, &mut source)?.points),
         Format::Xyz => Content::Points(xyz::parse_xyz(path, bytes, &mut source)?),
     };
+    if content.points().is_empty() {
+        return Err(Failure::in_file(path, "holds no points"));
+    }
     let mut cut = Vec::new();
     // What these files call a polygon need not be flat; a facet of a complex must be.
     if let (Content::Domain(plc), true) = (&mut content, format.is_surface()) {
@@ -145,6 +148,25 @@ mod tests {
         assert_eq!(InputFile::parse("c.d.Xyz").unwrap().format, Format::Xyz);
         for wrong in ["b.step", "b", "", "poly", ".poly"] {
             assert!(InputFile::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn a_file_without_points_is_no_input() {
+        let ply = b"ply\nformat ascii 1.0\nelement dot 0\nproperty int x\nend_header\n";
+        for (name, content) in [
+            ("in.obj", &b"garbage\n"[..]),
+            ("in.obj", b""),
+            ("in.stl", &[0; 84]),
+            ("in.stl", b"solid\nendsolid\n"),
+            ("in.ply", ply),
+            ("in.off", b"OFF\n0 0 0\n"),
+            ("in.xyz", b"# nothing\n"),
+            ("in.node", b"0 3\n"),
+        ] {
+            let file = InputFile::parse(name).unwrap();
+            let failure = parse(&file.path, file.format, content).unwrap_err();
+            assert_eq!(failure.message(), format!("{name}: holds no points"));
         }
     }
 }

@@ -1,10 +1,12 @@
 //! `.obj` files by the crate `tobj`: points and faces; normals, textures and materials are passed over. Each object or group is a part: its
 //! number, from 1, becomes its facets' marker.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::DVec3;
 
+use super::fields::Numbered;
 use super::surface::Surface;
 use crate::failure::Failure;
 
@@ -12,10 +14,14 @@ use crate::failure::Failure;
 pub fn parse_obj(path: &Path, content: &[u8]) -> Result<Surface, Failure> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let content = points_and_faces(path, content)?;
+    let (content, points) = points_and_faces(path, content)?;
     let mut reader = content.as_bytes();
     let loaded = tobj::load_obj_buf(&mut reader, &options, no_materials);
-    let (models, _) = loaded.map_err(|error| Failure::in_file(path, error))?;
+    let (models, _) = loaded.map_err(|error| {
+        // What is left unread tells in which line it stopped.
+        let line = content[..content.len() - reader.len()].lines().count();
+        Failure::in_line(path, line, "line", error)
+    })?;
     let mut surface = Surface::default();
     for (number, model) in models.iter().enumerate() {
         let base = surface.points.len() as u32;
@@ -29,37 +35,107 @@ pub fn parse_obj(path: &Path, content: &[u8]) -> Result<Surface, Failure> {
             surface.markers.push(i32::try_from(number + 1).unwrap_or(i32::MAX));
         }
     }
+    // The crate has no points but those of faces. Alone they are as good as those of other files.
+    if surface.polygons.is_empty() {
+        surface.points = points;
+    }
     Ok(surface)
 }
 
 /// The lines without what is passed over, some of it unread by `tobj`: an index of a normal or a texture beyond all of them would overflow there.
-fn points_and_faces(path: &Path, content: &[u8]) -> Result<String, Failure> {
-    /// Larger than any index of a vertex, and far from overflow.
-    const LARGEST: i64 = 1 << 32;
+/// What is kept is looked at, so that what is wrong is named by its line: the crate tells no lines. Also the points.
+fn points_and_faces(path: &Path, content: &[u8]) -> Result<(String, Vec<DVec3>), Failure> {
     let content = String::from_utf8_lossy(content);
+    // A corner may be a point that comes later.
+    let count = content.lines().filter(|line| line.split_whitespace().next() == Some("v")).count();
     let mut kept = String::with_capacity(content.len());
-    for (number, line) in content.lines().enumerate() {
+    let mut points = Vec::new();
+    let mut lines = content.lines().enumerate();
+    while let Some((number, line)) = lines.next() {
+        let mut line = Cow::from(line);
+        let mut joined = 0;
+        // A comment may end in one, as a folder's name does.
+        let goes_on = |line: &str| line.trim_end().strip_suffix('\\').map(str::len).filter(|_| !line.starts_with('#'));
+        while let Some(length) = goes_on(&line) {
+            let line = line.to_mut();
+            line.truncate(length);
+            line.push(' ');
+            line.push_str(lines.next().map_or("", |(_, next)| next));
+            joined += 1;
+        }
         let mut words = line.split_whitespace();
         match words.next() {
-            // Lines stay where they are.
             Some("vn" | "vt" | "l" | "p") => {}
-            Some("f") => {
-                kept.push('f');
-                for corner in words {
-                    let vertex = corner.split('/').next().unwrap_or_default();
-                    if vertex.parse::<i64>().map_or(true, |v| !(-LARGEST..=LARGEST).contains(&v)) {
-                        let element = format_args!("facet with corner \"{corner}\"");
-                        return Err(Failure::in_line(path, number + 1, element, "that is no point"));
-                    }
-                    kept.push(' ');
-                    kept.push_str(vertex);
-                }
+            Some("v") => {
+                points.push(point(path, number + 1, points.len() + 1, words)?);
+                keep_words(
+                    &mut kept,
+                    "v",
+                    line.split_whitespace().skip(1).take(if is_weighted(&line) { 4 } else { 3 }),
+                );
             }
-            _ => kept.push_str(line),
+            Some("f") => {
+                let corners = words.map(|corner| corner.split('/').next().unwrap_or_default());
+                if let Some(wrong) = corners.clone().position(|corner| !is_point(corner, points.len(), count)) {
+                    let corner = line.split_whitespace().nth(wrong + 1).unwrap_or_default();
+                    let element = format_args!("facet with corner \"{corner}\"");
+                    return Err(Failure::in_line(path, number + 1, element, "that is no point"));
+                }
+                keep_words(&mut kept, "f", corners);
+            }
+            _ => kept.push_str(&line),
         }
-        kept.push('\n');
+        // Lines stay where they are.
+        kept.extend(std::iter::repeat_n('\n', joined + 1));
     }
-    Ok(kept)
+    Ok((kept, points))
+}
+
+fn keep_words<'a>(kept: &mut String, keyword: &str, words: impl Iterator<Item = &'a str>) {
+    kept.push_str(keyword);
+    for word in words {
+        kept.push(' ');
+        kept.push_str(word);
+    }
+}
+
+/// Four numbers are a point and its weight; others behind the third are a colour.
+fn is_weighted(line: &str) -> bool {
+    line.split_whitespace().count() == 5
+}
+
+/// The point of a line whose words behind the first are these.
+fn point<'a>(
+    path: &Path,
+    line: usize,
+    number: usize,
+    words: impl Iterator<Item = &'a str> + Clone,
+) -> Result<DVec3, Failure> {
+    let wrong = |problem: String| Failure::in_line(path, line, Numbered("point", number), problem);
+    let mut rest = words.clone();
+    let mut real = |name: &str| {
+        let word = rest.next().ok_or_else(|| wrong(format!("{name} is missing")))?;
+        word.parse::<f64>().map_err(|_| wrong(format!("{name} is {word:?}, expected a number")))
+    };
+    let point = DVec3::new(real("x coordinate")?, real("y coordinate")?, real("z coordinate")?);
+    if !point.is_finite() {
+        return Err(wrong("a coordinate is not finite".to_owned()));
+    }
+    if words.count() != 4 {
+        return Ok(point);
+    }
+    match real("weight")? {
+        0.0 => Err(wrong("weight is 0".to_owned())),
+        weight => Ok(point / weight),
+    }
+}
+
+/// Whether a face's corner is one of so many points in all, by its number or by how far it is before the next of those so far.
+fn is_point(corner: &str, so_far: usize, count: usize) -> bool {
+    let places = |largest: usize| 1..=i64::try_from(largest).unwrap_or(i64::MAX);
+    corner
+        .parse::<i64>()
+        .is_ok_and(|v| places(count).contains(&v) || v.checked_neg().is_some_and(|v| places(so_far).contains(&v)))
 }
 
 #[cfg(test)]
@@ -74,8 +150,43 @@ mod tests {
         assert_eq!(at(&surface.polygons[0])[2], DVec3::new(1.0, 1.0, 0.1));
         assert_eq!(at(&surface.polygons[1]), [DVec3::ZERO, DVec3::X, DVec3::new(0.0, 0.0, 1e-3)]);
         assert_eq!((surface.polygons[0].len(), &surface.markers[..]), (4, &[1, 2][..]));
-        let failure = parse_obj(Path::new("in.obj"), b"v 0 0\n").unwrap_err();
-        assert!(failure.message().starts_with("in.obj: "), "{failure:?}");
+    }
+
+    #[test]
+    fn each_defect_is_named_by_line() {
+        for (text, message) in [
+            ("v 0 0\n", "1: point 1: z coordinate is missing"),
+            ("v 0 0 0\n\nv 0 y 0\n", "3: point 2: y coordinate is \"y\", expected a number"),
+            ("v 0 0 inf\n", "1: point 1: a coordinate is not finite"),
+            ("# v:\\\nv 0 0\n", "2: point 1: z coordinate is missing"),
+            ("v 0 0 0 0\n", "1: point 1: weight is 0"),
+            ("v 0 0 0 w\n", "1: point 1: weight is \"w\", expected a number"),
+            ("v 0 0 0\nf 1 2/1 1\n", "2: facet with corner \"2/1\": that is no point"),
+            ("v 0 0 0\nf -2 1 1\nv 1 0 0\n", "2: facet with corner \"-2\": that is no point"),
+            ("v 0 0 0\nf 1 0 1\n", "2: facet with corner \"0\": that is no point"),
+            ("v 0 \\\n0 0\nv 0\n", "3: point 2: y coordinate is missing"),
+            ("v 0 0 0\n\nusemtl\nv 1 0 0\n", "3: line: material parse error"),
+        ] {
+            let failure = parse_obj(Path::new("in.obj"), text.as_bytes()).map(|_| text).unwrap_err();
+            assert_eq!(failure.message(), format!("in.obj:{message}"));
+        }
+    }
+
+    #[test]
+    fn lines_go_on_behind_a_backslash() {
+        let text = "v 0 0 0\nv 2 0 0 2\nv 1 1 \\\r\n0.1 1 0.5 0\nv 0 1 0\nf 1 2 \\\n\\\n -2 \\\n4\n";
+        let surface = parse_obj(Path::new("in.obj"), text.as_bytes()).unwrap();
+        assert_eq!(surface.points[..3], [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.1)]);
+        assert_eq!(surface.polygons, [[0, 1, 2, 3]]);
+        // Not behind the last line.
+        let same = parse_obj(Path::new("in.obj"), text.replace("\n4\n", "\n4\\").as_bytes()).unwrap();
+        assert_eq!(same, surface);
+    }
+
+    #[test]
+    fn points_without_faces_are_kept() {
+        let surface = parse_obj(Path::new("in.obj"), b"o a\nv 0 0 0\nv 2 0 4 2\nl 1 2\n").unwrap();
+        assert_eq!((&surface.points[..], surface.polygons.len()), (&[DVec3::ZERO, DVec3::new(1.0, 0.0, 2.0)][..], 0));
     }
 
     #[test]

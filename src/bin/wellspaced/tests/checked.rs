@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{json, Value};
 
-use super::{folder, json, stdout, wellspaced};
+use super::{failure, folder, json, stdout, wellspaced};
 
 /// A cube; the last point is not in any facet.
 const CUBE: &str = "\
@@ -171,4 +171,43 @@ fn polygons_of_files_without_lines_keep_their_numbers() {
     let numbers: Vec<_> = defects.iter().map(|defect| defect["elements"][0]["number"].as_u64().unwrap()).collect();
     assert_eq!(numbers, [0, 3, 4], "{found}");
     assert!(defects.iter().all(|defect| defect["elements"][0]["line"].is_null()));
+}
+
+#[test]
+fn a_domain_without_a_volume_is_an_error() {
+    let folder = folder("a_domain_without_a_volume_is_an_error");
+    let open = BENT.replace("8 6 0", "8 5 0").replace("4 3 0 4 7\n", "").replace("4 4 4.5", "4 4 4");
+    let flat = "OFF\n4 1 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0 1 2 3\n";
+    let hole = |seed: &str| CUBE.replace("8 6\n0\n0\n", &format!("8 6\n1\n1 {seed}\n0\n"));
+    for (name, content, problem) in [
+        ("open.off", open, "its facets enclose no volume"),
+        ("flat.off", flat.to_owned(), "its points lie in a plane and enclose no volume"),
+        ("hole.poly", hole("1 1 1"), "its holes take all of it"),
+        ("sides.poly", hole("1 1 1").replace("6 0\n1\n4 1 2 4 3\n", "5 0\n"), "its facets enclose no volume"),
+    ] {
+        fs::write(folder.join(name), content).unwrap();
+        let line = format!("{name}: domain: {problem}");
+        let output = wellspaced(&folder, &["check", name]);
+        assert_eq!((output.status.code(), output.stderr), (Some(1), vec![]), "{name}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.starts_with(&format!("error: {line}\n")) && text.contains("\n1 errors, "), "{text}");
+        let output = wellspaced(&folder, &["check", name, "--json"]);
+        assert_eq!(output.status.code(), Some(1), "{name}");
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let defects = found["defects"].as_array().unwrap();
+        let told = json!({
+            "kind": "not_meshable",
+            "severity": "error",
+            "elements": [{"kind": "domain", "number": null, "line": null}],
+            "place": null,
+            "measure": 0.0,
+            "text": line,
+        });
+        assert_eq!((&found["errors"], &defects[0]), (&json!(1), &told), "{name}");
+        assert_eq!(found["warnings"], defects.len() - 1, "{name}");
+        assert_eq!(failure(&folder, &["refine", name, "-b", "2"]), (1, format!("{line}\n")));
+    }
+    // A hole outside takes nothing.
+    fs::write(folder.join("outside.poly"), hole("9 9 9")).unwrap();
+    assert!(stdout(&folder, &["check", "outside.poly"]).starts_with("0 errors, 0 warnings\n"));
 }

@@ -154,6 +154,12 @@ fn points_are_refined_in_their_hull() {
     let result = json(&folder, &["refine", "in.xyz", "-b", "1.5"]);
     assert_eq!((&result["input_vertices"], &result["bad"]), (&10.into(), &0.into()));
     assert!(result["steiner"].as_u64().unwrap() > 10, "{result}");
+    // The same from a file of surfaces that has none.
+    let vertices: String =
+        fs::read_to_string(folder.join("in.xyz")).unwrap().lines().map(|line| format!("v {line}\n")).collect();
+    fs::write(folder.join("in.obj"), vertices.replace("# two near ones", "")).unwrap();
+    let same = json(&folder, &["refine", "in.obj", "-b", "1.5"]);
+    assert_eq!((&same["vertices"], &same["tetrahedra"]), (&result["vertices"], &result["tetrahedra"]));
 }
 
 #[test]
@@ -202,6 +208,7 @@ fn wrong_input_is_one_line_and_status_1() {
     for (name, content, message) in [
         ("a.poly", "4 3\n0 0 0 0\n1 1 0 zero\n", "a.poly:3: point 1: z coordinate is \"zero\", expected a number\n"),
         ("b.node", "2 3\n0 0 0 0\n", "b.node:2: point 2 of 2: missing, the file ends here\n"),
+        ("b.obj", "garbage\n", "b.obj: holds no points\n"),
         ("c.xyz", "1 2 3\n4 5\n", "c.xyz:2: point 2: z coordinate is missing\n"),
         (
             "d.xyz",
@@ -220,7 +227,7 @@ fn wrong_input_is_one_line_and_status_1() {
     assert!(message.starts_with("none.poly: "), "{message}");
     let (status, message) = failure(&folder, &["delaunay", "c.xyz", "-o", "none/m.vtu"]);
     assert_eq!((status, message.as_str()), (1, "none/m.vtu: there is no folder none\n"));
-    assert_eq!(names(&folder), ["a.poly", "b.node", "c.xyz", "d.xyz"], "nothing was written");
+    assert_eq!(names(&folder), ["a.poly", "b.node", "b.obj", "c.xyz", "d.xyz"], "nothing was written");
 }
 
 #[test]
@@ -270,6 +277,9 @@ fn usage_errors_are_status_2_before_any_work() {
         vec!["refine", "in.xyz", "--radius-edge", "two"],
         vec!["refine", "in.xyz", "--radius-edge", "2", "--rule", "best"],
         vec!["refine", "in.xyz", "--radius-edge", "2", "--max-vertices", "-1"],
+        vec!["refine", "in.xyz", "--radius-edge", "2", "--max-edge=-1"],
+        vec!["refine", "in.xyz", "--radius-edge", "2", "--max-edge", "nan"],
+        vec!["refine", "in.xyz", "--radius-edge", "2", "--max-edge", "inf"],
         vec!["refine", "in.xyz", "--radius-edge", "2", "--output", "m.stl"],
         vec!["refine", "in.step", "--radius-edge", "2"],
         vec!["delaunay", "in.xyz", "--output", "m"],

@@ -188,7 +188,7 @@ mod tests {
         }
 
         #[test]
-        fn points_read_back_as_themselves(points in prop::collection::vec(point(), 0..30)) {
+        fn points_read_back_as_themselves(points in prop::collection::vec(point(), 1..30)) {
             let text = text(|out| write_node(out, &points, &[]));
             let input = parse(Path::new("in.node"), Format::Node, text.as_bytes()).unwrap();
             prop_assert_eq!(input.content, Content::Points(points));
