@@ -487,6 +487,50 @@ static wsp_element facet(uint32_t index) {
     return element;
 }
 
+static void test_boundary(void) {
+    wsp_plc *plc = boxed(60);
+    wsp_triangulation *t = NULL;
+    wsp_control *control = NULL;
+    wsp_boundary_view view;
+    wsp_report report;
+    size_t i, on_segments = 0, on_facets = 0, of_facet[6] = {0};
+    STATUS(WSP_ERR_STRUCT_SIZE, wsp_boundary_view_init(&view, 7));
+    DONE(wsp_boundary_view_init(&view, sizeof view));
+    DONE(wsp_triangulation_from_plc(plc, NULL, NULL, &t));
+    wsp_plc_free(plc);
+    DONE(wsp_report_init(&report, sizeof report));
+    DONE(wsp_refine(t, NULL, NULL, &report));
+    DONE(wsp_control_new(NULL, NULL, &control));
+    DONE(wsp_control_cancel(control));
+    STATUS(WSP_CANCELLED, wsp_triangulation_boundary(t, control, &view));
+    CHECK(view.faces == NULL && view.faces_count == 0);
+    wsp_control_free(control);
+    DONE(wsp_triangulation_boundary(t, NULL, &view));
+    CHECK(view.faces_count >= 12 && view.edges_count >= 12 && view.vertices_count == report.vertices);
+    for (i = 0; i < view.faces_count; ++i) {
+        const uint32_t facet = view.face_facets[i];
+        CHECK(facet < 6 && view.face_markers[i] == (int32_t)facet + 1);
+        CHECK(view.face_tetrahedra[2 * i] < report.tetrahedra && view.face_tetrahedra[2 * i + 1] == WSP_NONE);
+        ++of_facet[facet < 6 ? facet : 0];
+    }
+    for (i = 0; i < 6; ++i) {
+        CHECK(of_facet[i] >= 2);
+    }
+    /* A box's sides have the markers of their first facets. */
+    for (i = 0; i < view.edges_count; ++i) {
+        CHECK(view.edges[2 * i] < view.edges[2 * i + 1] && view.edge_segments[i] < 12);
+        CHECK(view.edge_markers[i] >= 1 && view.edge_markers[i] <= 6);
+    }
+    for (i = 0; i < view.vertices_count; ++i) {
+        on_segments += view.vertex_kinds[i] == WSP_ON_SEGMENT;
+        on_facets += view.vertex_kinds[i] == WSP_ON_FACET;
+        CHECK((view.vertex_kinds[i] == WSP_ON_VERTEX) == (i < 8));
+        CHECK((view.vertex_elements[i] == WSP_NONE) == (view.vertex_kinds[i] < WSP_ON_SEGMENT));
+    }
+    CHECK(on_segments == report.on_segments && on_facets == report.on_facets && on_segments + on_facets > 0);
+    wsp_triangulation_free(t);
+}
+
 static void test_check(void) {
     /* Facet 1 stands across facet 0, point 6 is where point 1 is, and corner 8 of facet 2 is off the plane of the three others. All
        facets end in the open. */
@@ -988,6 +1032,7 @@ int main(void) {
     test_steps();
     test_sampler();
     test_control();
+    test_boundary();
     test_check();
     test_join();
     test_sizes();
