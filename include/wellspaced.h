@@ -579,8 +579,8 @@ typedef struct wsp_sampler_options {
     double radius_edge;
     /**
      * For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one
-     * tetrahedron and on the
-     * view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left and counted. Default: 0.
+     * tetrahedron and on the view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left
+     * and counted. Default: 0.
      */
     uint32_t keep_boundary;
     /**
@@ -919,7 +919,8 @@ typedef struct wsp_origin {
 
 /**
  * What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
- * `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
+ * `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given
+ * to wsp_refine.
  */
 typedef struct wsp_report {
     /**

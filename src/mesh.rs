@@ -27,6 +27,8 @@ const RECOVERY_FACTOR: usize = 100;
 const BLOCK: usize = 1 << 14;
 const WHAT: &str = "view";
 
+type Numbers<'a> = InPieces<'a, Vec<u32>>;
+
 /// A Delaunay triangulation and, once one is set, the domain that it fills.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -405,7 +407,6 @@ impl Mesh {
     fn make_view(&self, control: &Control) -> Result<View, Error> {
         let topology = &self.t.topology;
         let (number, inside) = self.number_inside(control)?;
-        let (number, inside) = (InPieces::new(number, control), InPieces::new(inside, control));
         let mut view = InPieces::new(View::default(), control);
         memory::reserve_exact(&mut view.tetrahedra, inside.len(), WHAT)?;
         memory::reserve_exact(&mut view.neighbours, inside.len(), WHAT)?;
@@ -423,7 +424,7 @@ impl Mesh {
     }
 
     /// By place of each tetrahedron its number in the view, `u32::MAX` for those that are not shown; and the places of those that are, in order.
-    fn number_inside(&self, control: &Control) -> Result<(Vec<u32>, Vec<u32>), Error> {
+    fn number_inside<'a>(&self, control: &'a Control) -> Result<(Numbers<'a>, Numbers<'a>), Error> {
         let topology = &self.t.topology;
         let mut number = memory::room_in_pieces(topology.tets.len(), WHAT, control)?;
         let mut inside = memory::room_in_pieces::<u32>(topology.finite_count(), WHAT, control)?;
@@ -441,7 +442,7 @@ impl Mesh {
                 inside.push(t);
             }
         }
-        Ok((number.keep(), inside.keep()))
+        Ok((number, inside))
     }
 }
 

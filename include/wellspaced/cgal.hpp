@@ -99,7 +99,7 @@ std::vector<typename Dt::Edge> bad_short_edges(const Dt& dt, double radius_edge,
         return a.squared != b.squared ? a.squared < b.squared : a.number < b.number;
     });
     std::vector<typename Dt::Edge> edges;
-    std::vector<std::array<typename Dt::Vertex_handle, 2>> seen;  ///< of the present length
+    std::vector<std::array<typename Dt::Vertex_handle, 2>> seen;  // of the present length
     double length = -1;
     for (const found& f : all) {
         if (f.squared != length) seen.clear();
@@ -152,7 +152,7 @@ report refine(Dt& dt, const options& o = options(), const Domain& domain = Domai
                   "its own insert; take one with the default, CGAL::Compact_location");
     if (!(o.min_edge >= 0 && o.min_edge <= (std::numeric_limits<double>::max)()))
         throw std::invalid_argument("wellspaced::cgal::refine: min_edge is not a finite length");
-    /// The sampler checks the other options as soon as it is called: here even if there is nothing to do.
+    // The sampler checks the other options as soon as it is called: here even if there is nothing to do.
     const double unit[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     const wsp_sampler_options s = detail::sampler(o);
     std::size_t count = 0;

@@ -73,6 +73,23 @@ pub(super) fn rule_number(rule: Rule) -> wsp_rule {
     }
 }
 
+/// An option that is on or off.
+pub(super) fn switch(name: &str, value: u32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Failure::new(WSP_ERR_OPTION, format!("{name} is {value}, expected 0 or 1"))),
+    }
+}
+
+/// A field that means nothing yet.
+pub(super) fn unused(reserved: u32) -> Result<(), Failure> {
+    match reserved {
+        0 => Ok(()),
+        _ => Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {reserved}, expected 0"))),
+    }
+}
+
 /// Options of a triangulation. Fill it with wsp_triangulation_options_init, or pass NULL for the defaults.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -114,13 +131,7 @@ impl wsp_triangulation_options {
             let text = format!("threads is {}, expected 0 to {MAX_THREADS}", self.threads);
             return Err(Failure::new(WSP_ERR_OPTION, text));
         }
-        if self.keep_boundary > 1 {
-            return Err(Failure::new(
-                WSP_ERR_OPTION,
-                format!("keep_boundary is {}, expected 0 or 1", self.keep_boundary),
-            ));
-        }
-        Ok(())
+        switch("keep_boundary", self.keep_boundary).map(|_| ())
     }
 }
 
@@ -136,8 +147,8 @@ pub struct wsp_sampler_options {
     /// Default: 2.
     pub radius_edge: f64,
     /// For wsp_sample_mesh, the only call that looks at this and what follows: 1 puts no points on the boundary, that is on faces with one
-    /// tetrahedron and on the
-    /// view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left and counted. Default: 0.
+    /// tetrahedron and on the view's `faces`, and leaves out the samples that would encroach upon it. What could only be mended so is left
+    /// and counted. Default: 0.
     pub keep_boundary: u32,
     /// Must be 0.
     pub reserved: u32,
@@ -169,14 +180,8 @@ unsafe impl Sized_ for wsp_sampler_options {
 impl wsp_sampler_options {
     /// What a round on a host's arrays aims at.
     pub(super) fn for_arrays(&self) -> Result<ArrayOptions, Failure> {
-        if self.reserved != 0 {
-            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", self.reserved)));
-        }
-        let keep_boundary = match self.keep_boundary {
-            0 => false,
-            1 => true,
-            other => return Err(Failure::new(WSP_ERR_OPTION, format!("keep_boundary is {other}, expected 0 or 1"))),
-        };
+        unused(self.reserved)?;
+        let keep_boundary = switch("keep_boundary", self.keep_boundary)?;
         let wsp_sampler_options { radius_edge, min_edge, .. } = *self;
         let options = ArrayOptions { radius_edge, rule: rule(self.rule)?, keep_boundary, min_edge };
         options.check()?;

@@ -5,14 +5,15 @@ use std::ffi::c_void;
 use super::args;
 use super::control::{self, wsp_control};
 use super::guard::{call, host_code, Failure};
-use super::options::{rule, sparsify, wsp_refine_options, wsp_sparsify};
+use super::options::{rule, sparsify, switch, unused, wsp_refine_options, wsp_sparsify};
 use super::sized::{self, Sized_};
 use super::status::*;
 use super::triangulation::wsp_triangulation;
 use crate::{DVec3, RefineOptions, RefineReport, RefineStatus, Sizing};
 
 /// What a refinement did, and the mesh's quality now. After WSP_CANCELLED the tetrahedra have not been looked at, for that takes a while:
-/// `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given to wsp_refine.
+/// `tetrahedra`, `bad`, `on_segments` and `on_facets` are 0 then, and the ratio and the angle NaN. Fill it with wsp_report_init before it is given
+/// to wsp_refine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct wsp_report {
@@ -251,9 +252,7 @@ pub unsafe extern "C" fn wsp_refine_sized(
     // SAFETY: each pointer is NULL or live, and checked by the function that takes it.
     call("wsp_refine_sized", || unsafe {
         let sizing = sized::read(sizing, "sizing")?;
-        if sizing.reserved != 0 {
-            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", sizing.reserved)));
-        }
+        unused(sizing.reserved)?;
         refine(triangulation, options, Some(sizing), control, report)
     })
 }
@@ -273,18 +272,12 @@ unsafe fn refine(
             sized::check_out(report, "report")?;
         }
         let given = sized::read(options, "options")?;
-        if given.reserved != 0 {
-            return Err(Failure::new(WSP_ERR_OPTION, format!("reserved is {}, expected 0", given.reserved)));
-        }
+        unused(given.reserved)?;
         if !(given.max_edge >= 0.0 && given.max_edge.is_finite()) {
             let text = format!("max_edge is {}, expected a length, or 0", given.max_edge);
             return Err(Failure::new(WSP_ERR_OPTION, text));
         }
-        let keep_boundary = match given.keep_boundary {
-            0 => false,
-            1 => true,
-            other => return Err(Failure::new(WSP_ERR_OPTION, format!("keep_boundary is {other}, expected 0 or 1"))),
-        };
+        let keep_boundary = switch("keep_boundary", given.keep_boundary)?;
         let options = RefineOptions {
             radius_edge: given.radius_edge,
             rule: rule(given.rule)?,

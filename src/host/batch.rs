@@ -84,8 +84,8 @@ pub struct ArrayBatch {
     pub encroached: usize,
     /// Bad tetrahedra and encroached elements that can't be mended: that needs an edge below the minimum length, or a split of the boundary
     /// that makes an edge shorter than β/2 times the one to be mended, or this spans an input angle of less than 60°. With a boundary to be
-    /// kept, the bad tetrahedra whose samples all
-    /// encroach upon it, too; elements that a vertex encroaches upon are then not counted, as nothing is asked of them.
+    /// kept, the bad tetrahedra whose samples all encroach upon it, too; elements that a vertex encroaches upon are then not counted, as
+    /// nothing is asked of them.
     pub refused: usize,
 }
 

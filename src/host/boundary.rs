@@ -332,8 +332,7 @@ impl Boundary {
     }
 
     /// Whether a point's cavity goes through the boundary, so that inserting it would take a subfacet out; or the point lies outside or on
-    /// a subfacet.
-    /// Where no vertex encroaches upon the boundary such a point encroaches upon it, too.
+    /// a subfacet. Where no vertex encroaches upon the boundary such a point encroaches upon it, too.
     pub(super) fn is_crossed(
         &self,
         mesh: &Mesh<'_>,

@@ -122,8 +122,7 @@ impl<'a> Mesh<'a> {
     }
 
     /// Takes flat tetrahedra on the outside for no part of the domain, unless they have a face that the host names. Points on a slanted
-    /// facet lie off its
-    /// plane by rounding, and then such tetrahedra lie between them: they can't be mended, and with them the facet would be torn into pieces.
+    /// facet lie off its plane by rounding, and then such tetrahedra lie between them: they can't be mended, and with them the facet would be torn into pieces.
     fn leave_out_flat(&mut self, faces: &[[u32; 3]], control: &Control) -> Result<(), Error> {
         let turns = control.turns();
         let mut named = FxHashSet::default();

@@ -4,6 +4,7 @@ use super::Mesh;
 use crate::domain::{Boundary, Carrier};
 use crate::leavings::{InPieces, Leavings};
 use crate::sorting::sort;
+use crate::triangulation::remove::oriented_face;
 use crate::triangulation::topology::{slot_of, tet_of};
 use crate::{memory, Control, Error};
 
@@ -62,8 +63,6 @@ pub(super) struct Outline {
 }
 
 const NONE: u32 = u32::MAX;
-/// The slots of the face opposite each slot of a tetrahedron, counterclockwise seen from outside.
-const OUTWARD: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 const WHAT: &str = "boundary";
 
 impl Mesh {
@@ -109,14 +108,9 @@ impl Mesh {
     }
 
     fn show_faces(&self, boundary: &Boundary, outline: &mut Outline, control: &Control) -> Result<(), Error> {
-        let number = InPieces::new(self.number_inside(control)?.0, control);
+        let (number, _) = self.number_inside(control)?;
+        let all = in_order(boundary.each_subfacet(), boundary, control)?;
         let turns = control.turns();
-        let mut all = memory::room_in_pieces(boundary.element_count(), WHAT, control)?;
-        for (face, facet) in boundary.each_subfacet() {
-            turns.check()?;
-            all.push((facet, face));
-        }
-        sort(&mut all, &control.watch())?;
         memory::reserve_exact(&mut outline.faces, all.len(), WHAT)?;
         memory::reserve_exact(&mut outline.face_facets, all.len(), WHAT)?;
         memory::reserve_exact(&mut outline.face_markers, all.len(), WHAT)?;
@@ -128,8 +122,7 @@ impl Mesh {
             let other = self.t.topology.tet(tet_of(side)).n[slot_of(side)];
             let [here, there] = [side, other].map(|side| number[tet_of(side) as usize]);
             let (first, tetrahedra) = if here <= there { (side, [here, there]) } else { (other, [there, here]) };
-            let v = self.t.topology.tet(tet_of(first)).v;
-            outline.faces.push(OUTWARD[slot_of(first)].map(|slot| v[slot]));
+            outline.faces.push(oriented_face(&self.t.topology.tet(tet_of(first)).v, slot_of(first)));
             outline.face_facets.push(facet);
             outline.face_markers.push(boundary.facets()[facet as usize].marker);
             outline.face_tetrahedra.push(tetrahedra);
@@ -174,14 +167,25 @@ impl Mesh {
     }
 }
 
-fn show_edges(boundary: &Boundary, outline: &mut Outline, control: &Control) -> Result<(), Error> {
-    let turns = control.turns();
+/// The boundary's edges, or its faces, in the order of what they are parts of.
+fn in_order<'a, K: Copy + Ord + Send + 'static>(
+    elements: impl Iterator<Item = (K, u32)>,
+    boundary: &Boundary,
+    control: &'a Control,
+) -> Result<InPieces<'a, Vec<(u32, K)>>, Error> {
     let mut all = memory::room_in_pieces(boundary.element_count(), WHAT, control)?;
-    for (edge, segment) in boundary.each_subsegment() {
+    let turns = control.turns();
+    for (element, of) in elements {
         turns.check()?;
-        all.push((segment, edge));
+        all.push((of, element));
     }
     sort(&mut all, &control.watch())?;
+    Ok(all)
+}
+
+fn show_edges(boundary: &Boundary, outline: &mut Outline, control: &Control) -> Result<(), Error> {
+    let all = in_order(boundary.each_subsegment(), boundary, control)?;
+    let turns = control.turns();
     memory::reserve_exact(&mut outline.edges, all.len(), WHAT)?;
     memory::reserve_exact(&mut outline.edge_segments, all.len(), WHAT)?;
     memory::reserve_exact(&mut outline.edge_markers, all.len(), WHAT)?;

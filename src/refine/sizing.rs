@@ -47,6 +47,10 @@ fn asked(size: f64) -> f64 {
     }
 }
 
+fn ask_for_nothing(sizes: &[f64]) -> bool {
+    sizes.iter().all(|&size| asked(size).is_infinite())
+}
+
 /// The mean of sizes, each with its weight. Where there is none it counts as a share without demand: the others' mean is divided by their share of
 /// the weights, so that it grows beyond all bounds as that falls.
 fn mean(sizes: impl Iterator<Item = (f64, f64)>) -> f64 {
@@ -124,7 +128,7 @@ impl<'a> Sizes<'a> {
     pub fn begin(&mut self, t: &Triangulation, first_steiner: usize, control: &Control) -> Result<(), Error> {
         const WHAT: &str = "sizes of vertices";
         let list = self.sizing.vertices;
-        if list.iter().all(|&size| asked(size).is_infinite()) {
+        if ask_for_nothing(list) {
             return Ok(());
         }
         let slots = t.vertex_slots();
@@ -183,12 +187,9 @@ impl<'a> Sizes<'a> {
 
     /// Whether nothing is asked for.
     pub fn is_empty(&self) -> bool {
-        let none = |sizes: &[f64]| sizes.iter().all(|size| size.is_infinite());
-        asked(self.sizing.uniform).is_infinite()
-            && self.sizing.regions.iter().all(|&size| asked(size).is_infinite())
-            && self.sizing.callback.is_none()
-            && none(&self.volumes)
-            && self.sizing.vertices.iter().all(|&size| asked(size).is_infinite())
+        let Sizing { uniform, regions, vertices, callback } = self.sizing;
+        let lists = [&[uniform], regions, vertices, &self.volumes];
+        callback.is_none() && lists.into_iter().all(ask_for_nothing)
     }
 
     /// Gives a new vertex its size. `neighbour` is one to look for its place from.

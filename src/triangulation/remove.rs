@@ -17,7 +17,8 @@ mod replace;
 use glam::DVec3;
 
 pub use certify::{Guess, Linked};
-use faces::{oriented_face, rotated, FaceTable};
+pub(crate) use faces::oriented_face;
+use faces::{rotated, FaceTable};
 
 use super::cavity::Cavity;
 use super::order::spatial_order;

@@ -61,9 +61,6 @@ public:
         at_ = point(p[0], p[1], p[2]);
         infinite_ = dt_.infinite_vertex();
         cell start = near;
-        // Of a cell's own corner its sphere can't be asked.
-        for (int k = 0; k < 4; ++k)
-            if (near->vertex(k) != infinite_ && near->vertex(k)->point() == at_) return false;
         if (dt_.is_infinite(near) || !conflicts(near)) {
             typename Dt::Locate_type type;
             int i, j;
@@ -220,6 +217,9 @@ private:
             const int found = in_sphere(q[0], q[1], q[2], q[3], ww[0], ww[1], ww[2], ww[3]);
             if (found != 0) return found > 0;
         }
+        // CGAL has no answer for a cell's own corner, which is in conflict with nothing.
+        for (int k = 0; k < 4; ++k)
+            if (c->vertex(k)->point() == at_) return false;
         return dt_.side_of_sphere(c, at_, true) == CGAL::ON_BOUNDED_SIDE;
     }
     // Whether that is so of the neighbour across the face opposite slot `k` of a cell in conflict. `apex` is the neighbour's fourth vertex; the others

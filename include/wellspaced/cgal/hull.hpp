@@ -2,9 +2,9 @@
 /// @file
 /// wellspaced/cgal/hull.hpp: convex hulls that no box is. Included by wellspaced/cgal.hpp.
 ///
-/// A slanted facet can't hold new points exactly: they lie off its plane by rounding, the hull gets flat cells there, and its facets come apart into triangles
-/// that meet at nearly 180 degrees. wellspaced's own kernel knows its facets whatever becomes of the hull. So there the refinement of the hull is done
-/// by it, on the same points, and its Steiner points are inserted here, in the same order.
+/// A slanted facet can't hold new points exactly: they lie off its plane by rounding, the hull gets flat cells there, and its facets come apart
+/// into triangles that meet at nearly 180 degrees. wellspaced's own kernel knows its facets whatever becomes of the hull. So there the
+/// refinement of the hull is done by it, on the same points, and its Steiner points are inserted here, in the same order.
 
 #ifndef WELLSPACED_CGAL_HULL_HPP
 #define WELLSPACED_CGAL_HULL_HPP
